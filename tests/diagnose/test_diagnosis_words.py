@@ -182,6 +182,31 @@ def test_a_free_run_that_gets_worse_rejects_what_was_found_however_far_from_nois
     assert "worse is position, simulated against measured (from" in verdict_sentence(rejected)
 
 
+@pytest.mark.parametrize(("left", "is_rejected"), [(0.49, False), (0.51, True)])
+def test_a_balance_of_a_plant_far_from_noise_rejects_unless_its_free_run_is_far_better(
+    diagnosis: Diagnosis, left: float, is_rejected: bool
+) -> None:
+    simulation, tested = diagnosis.simulation, diagnosis.errors.held_out
+    assert simulation is not None
+    assert tested.after.position is not None
+    far = replace(simulation, after=replace(simulation.after, residual=1e3 * simulation.after.residual))
+    balances = {name: 0.9 * error for name, error in tested.after.balances.items()}
+    before = replace(tested.before, balances=balances, position=tested.after.position / left)
+    errors = replace(diagnosis.errors, held_out=BeforeAfter(before, tested.after), gained=None)
+    with_effects = [replace(result, effects={"valve_deadband": ("valve_overlap",)}) for result in diagnosis.results]
+    judged = replace(diagnosis, results=with_effects, errors=errors)
+    assert replace(judged, simulation=far).is_rejected is is_rejected
+    assert not judged.is_rejected, "of one that follows its records the free run alone counts"
+
+
+def test_a_floor_of_other_motion_is_none_where_the_simulated_plant_follows_that(diagnosis: Diagnosis) -> None:
+    left = with_left(diagnosis, {"force": 0.77})
+    balances = {"force": 1.99 * diagnosis.results[-1].balance.floor}
+    told = "where that is no floor, and the simulated plant follows them within their noise"
+    assert any(told in line for line in sureness(with_held_out(left, balances)))
+    assert not any(told in line for line in sureness(with_held_out(left, balances, position=1e-3)))
+
+
 def test_what_gets_worse_and_rejects_nothing_is_told(diagnosis: Diagnosis) -> None:
     tested = diagnosis.errors.held_out
     before, after = replace(tested.before, load_pressure=1.0e4), replace(tested.after, load_pressure=1.45e4)
@@ -276,7 +301,7 @@ EXPLAINED = {
 def test_noise_is_judged_on_held_out_records_too(diagnosis: Diagnosis, floors: tuple[float, float]) -> None:
     fitted, tested = floors
     floor, left = diagnosis.results[-1].balance.floor, with_left(diagnosis, {"force": fitted})
-    lines = sureness(with_held_out(left, {"force": tested * floor}))
+    lines = sureness(with_held_out(left, {"force": tested * floor}, position=1e-3))  # m: it does not follow
     line = next(line for line in lines if line.startswith("What is left of the force balance"))
     spread = diagnosis.results[-1].balance.spread
     assert spread is not None, "several draws made the floor"

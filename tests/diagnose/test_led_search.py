@@ -55,6 +55,8 @@ def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: 
     for name in ("coulomb", "viscous"):
         assert led.simulated.fit.values[name] == pytest.approx(TRUE[name], rel=0.02), name
     assert [step.added for step in led.steps] == [("position_dependent_friction",)]
+    (round_that_added,) = led.steps
+    assert led.gains["position_dependent_friction"] > max(one.asked for one in round_that_added.candidates)
 
 
 @pytest.mark.thorough

@@ -22,6 +22,10 @@ IDENTIFIED = 0.5
 WORSE = 1.02
 """Error of a balance, after over before, beyond which what was found is rejected."""
 
+BETTER = 0.5
+"""Error of a free run of held-out records, after over before, below which it speaks for what was found, whatever a
+balance shows."""
+
 ENDED = "the fit ran to the end of its range"
 VAGUE = "the standard deviation exceeds half the value"
 MISLED = "what was found moves the value beyond what its standard deviation allows"
@@ -210,6 +214,12 @@ class ErrorsByUse:
             return False
         return after is not None and before is not None and after > WORSE * before
 
+    @property
+    def runs_better(self) -> bool:
+        """Whether a free run of the held-out records has a far smaller error of position with what was found."""
+        before, after = self.held_out.before.position, self.held_out.after.position
+        return after is not None and before is not None and after < BETTER * before
+
     def to_json(self) -> dict[str, object]:
         """As report.json holds them."""
         own = {} if self.own_parameters is None else {"own_parameters": self.own_parameters.to_json()}
@@ -281,13 +291,13 @@ class Diagnosis:
         """Whether what was found makes held-out records worse: then the plant stays as declared.
 
         It is the free run that counts, and the balances that have effects, too, where the simulated plant is not
-        trusted.
+        trusted and its free run not far better: one sums up all that acts, a balance shows most of it at break-aways.
         """
         if not self.effects:
             return False
         trusted = self.simulation is not None and self.simulation.is_trusted
         balances = [] if trusted else [result.balance.name for result in self.results if result.effects]
-        return self.errors.runs_worse or self.errors.is_worse(balances)
+        return self.errors.runs_worse or (self.errors.is_worse(balances) and not self.errors.runs_better)
 
     @property
     def rounds(self) -> list[BalanceResult]:

@@ -143,3 +143,11 @@ def _few(signals: Sequence[str]) -> str:
 def held_out_floors(diagnosis: Diagnosis, result: BalanceResult) -> float:
     """What is left of a balance on held-out records, in floors; 0 without any."""
     return diagnosis.errors.held_out.after.balances.get(result.balance.name, 0.0) / result.balance.floor
+
+
+def follows_held_out(diagnosis: Diagnosis) -> bool:
+    """Whether the simulated plant follows the held-out records near to the noise of their position."""
+    off, simulation = diagnosis.errors.held_out.after.position, diagnosis.simulation
+    if off is None or simulation is None or not simulation.is_trusted:
+        return False
+    return all(off < NOISE * motion.sensed["position"] for motion in diagnosis.held_out)

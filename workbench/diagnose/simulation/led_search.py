@@ -5,7 +5,7 @@ first order there is no guide. A loop takes most of what builds up, so that the 
 first order leads far. What was found so is then fitted to free runs, which decide.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -27,11 +27,14 @@ SEARCHES, LOOPS = 2, 6
 
 @dataclass(frozen=True, eq=False)
 class FoundLed:
-    """The plant from end to end with what was found beside a loop: its effects, and the rounds of the search."""
+    """The plant from end to end with what was found beside a loop: its effects, the rounds of the search, and what each
+    effect gains there in the logarithm of the likelihood.
+    """
 
     simulated: Simulated
     effects: Effects
     steps: Sequence[Step]
+    gains: Mapping[str, float]
 
 
 def found_led(
@@ -80,4 +83,5 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
             fit_as_sensed(own.final(own.begun(whole, one.values)), own, one.values),
             {name: those for name, those in numbers.items() if those and not set(those) <= set(fitting.names)},
             found.steps[: place + 1],
+            found.gains,
         )

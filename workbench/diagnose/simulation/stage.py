@@ -268,7 +268,8 @@ def simulation_stage(
     if led is not None:
         again = searches.anew(base, searches.among_effects(base, led.simulated, led.effects))
         if _tells_more(again, found):
-            found = replace(_without(given, again), steps=[*led.steps, *again.steps])
+            gains = {**led.gains, **again.gains}  # far from noise none is sought from end to end
+            found = replace(_without(given, again), steps=[*led.steps, *again.steps], gains=gains)
             return searches.held_otherwise(base, found, given)
     if found.after.excess > NEAR_NOISE:
         progress("simulating pieces of the records", 0.7)
