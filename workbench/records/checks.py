@@ -28,6 +28,10 @@ PACE = 0.05
 """s over which a velocity is told for that, a sample at least: noise of the position is small beside what is moved in
 it."""
 
+SWEEP, TOO_FAST = 0.5, 100.0
+"""s over which a way is taken, in which noise of the position counts for little; and times that it is longer than a
+valve can send the rod in that time, as it is declared, with the whole supply at one edge."""
+
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
 
@@ -177,6 +181,33 @@ def check_directions(path: Path, pieces: Sequence[Mapping[str, np.ndarray]], ste
                 f"{path}: the rod moves against {name} on most of its way; is the sign of channel {name} wrong, or "
                 "that of position? scale = -1 turns a channel"
             )
+
+
+def check_pace(path: Path, pieces: Sequence[Mapping[str, np.ndarray]], step: float, experiment: Experiment) -> None:
+    """Whether the valve can send the rod as far as it goes, by its largest voltage: v A <= K x sqrt(P_s).
+
+    Raises:
+        UserError: the rod goes a hundred times as far.
+    """
+    values, points = experiment.known_values(), max(round(SWEEP / step), 1)
+    declared = [values.get(name) for name in ("valve_flow_gain", "valve_position_gain", "supply_pressure")]
+    areas = [values[name] for name in ("piston_area_1", "piston_area_2") if values.get(name)]
+    if None in declared or not areas or not {"position", "valve_voltage"} <= set(pieces[0]):
+        return
+    gain, travel, supply = (float(value or 0.0) for value in declared)
+    largest = max(_largest(channels["valve_voltage"]) for channels in pieces)
+    way = max(_largest(channels["position"][points:] - channels["position"][:-points]) for channels in pieces)
+    sent = SWEEP * gain * travel * largest * math.sqrt(supply) / min(areas)
+    if 0.0 < TOO_FAST * sent < way:
+        raise UserError(
+            f"{path}: the rod goes {1e3 * way:.3g} mm in {SWEEP:g} s, and a valve as declared sends it "
+            f"{1e3 * sent:.3g} mm at most by {largest:.3g} V; is the unit of channel valve_voltage right?"
+            f"{_unit_hint(sent, way)}"
+        )
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.max(np.abs(np.nan_to_num(values)), initial=0.0))
 
 
 def _driven(position: np.ndarray, values: np.ndarray, points: int) -> np.ndarray:

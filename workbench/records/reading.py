@@ -14,7 +14,7 @@ import pandas as pd
 
 from workbench.errors import UserError, nearest
 from workbench.records.agreement import agreement_notes
-from workbench.records.checks import alive_notes, check_directions, check_ranges
+from workbench.records.checks import alive_notes, check_directions, check_pace, check_ranges
 from workbench.records.experiment import Experiment, RecordSpec
 from workbench.records.sampling.clock import stamps_of
 from workbench.records.sampling.pieces import Piece, Series, pieces_of
@@ -114,6 +114,7 @@ def read_pieces(spec: RecordSpec, experiment: Experiment) -> list[Record]:
         notes += alive_notes(spec.path, name, values, step)
     check_ranges(spec.path, together, experiment)
     check_directions(spec.path, [piece.channels for piece in pieces], step)
+    check_pace(spec.path, [piece.channels for piece in pieces], step, experiment)
     rpm, log = _rpm(spec, tables[spec.path]), experiment.records.index(spec)
     records = []
     for number, piece in enumerate(pieces, 1):
