@@ -86,15 +86,16 @@ def few_of(names: Iterable[str], longest: int = LONGEST_LIST) -> str:
     return ", ".join(found[:shown]) + (f" and {more} more" if more else "")
 
 
-def nearest(name: str, valid: Iterable[str], broken: Iterable[str] = ()) -> str:
+def nearest(name: str, valid: Iterable[str], broken: Iterable[str] = (), *, with_others: bool = False) -> str:
     """A hint for a misspelled name: the nearest valid one, or else all that there are.
 
-    `broken` tells of plug-ins that might have brought the name, and cannot be used.
+    `broken` tells of plug-ins that might have brought the name, and cannot be used; `with_others` tells all beside the
+    nearest, too.
     """
     names = list(valid)
     close = get_close_matches(name, names, n=1, cutoff=0.6) if len(name) <= LONGEST_SOUGHT else []
     hint = f"expected one of {few_of(names)}" if names else "none is expected here"
     if close:
-        hint = f'did you mean "{close[0]}"?'
+        hint = f'did you mean "{close[0]}"?' + (f" There are {few_of(names)}" if with_others else "")
     reasons = "; ".join(broken)
     return hint + ((" " if close else "; ") + reasons if reasons else "")

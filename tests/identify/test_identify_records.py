@@ -181,7 +181,7 @@ def test_a_length_in_another_unit_is_off_by_thousands(tmp_path: Path, span: str,
     [
         (
             table().rename(columns={"pA": "p_A"}),
-            'no column "pA" for pressure_1; did you mean "p_A"? It has t, u, x, p_A',
+            'no column "pA" for pressure_1; did you mean "p_A"? There are t, u, x, p_A',
         ),
         (
             spoiled(t=table()["t"] // 20.0),

@@ -32,6 +32,10 @@ SWEEP, TOO_FAST = 0.5, 100.0
 """s over which a way is taken, in which noise of the position counts for little; and times that it is longer than a
 valve can send the rod in that time, as it is declared, with the whole supply at one edge."""
 
+VALVE = ("valve_flow_gain", "valve_position_gain", "supply_pressure")
+AREAS = ("piston_area_1", "piston_area_2")
+"""Parameters by which a valve sends the rod."""
+
 LEAST_PRESSURE = {1: 1e-3, 2: 0.02}
 """Share of the supply pressure that the pressures reach, of one channel and of both chambers: one of them is fed."""
 
@@ -190,17 +194,15 @@ def check_pace(path: Path, pieces: Sequence[Mapping[str, np.ndarray]], step: flo
         UserError: the rod goes a hundred times as far.
     """
     values, points = experiment.known_values(), max(round(SWEEP / step), 1)
-    declared = [values.get(name) for name in ("valve_flow_gain", "valve_position_gain", "supply_pressure")]
-    areas = [values[name] for name in ("piston_area_1", "piston_area_2") if values.get(name)]
-    if None in declared or not areas or not {"position", "valve_voltage"} <= set(pieces[0]):
+    if not {*VALVE, *AREAS} <= set(values) or not {"position", "valve_voltage"} <= set(pieces[0]):
         return
-    gain, travel, supply = (float(value or 0.0) for value in declared)
+    gain, travel, supply = (values[name] for name in VALVE)
     largest = max(_largest(channels["valve_voltage"]) for channels in pieces)
     way = max(_largest(channels["position"][points:] - channels["position"][:-points]) for channels in pieces)
-    sent = SWEEP * gain * travel * largest * math.sqrt(supply) / min(areas)
+    sent = SWEEP * gain * travel * largest * math.sqrt(supply) / min(values[name] for name in AREAS)
     if 0.0 < TOO_FAST * sent < way:
         raise UserError(
-            f"{path}: the rod goes {1e3 * way:.3g} mm in {SWEEP:g} s, and a valve as declared sends it "
+            f"{path}: the rod goes {1e3 * way:.3g} mm in {SWEEP:g} s, and the valve as declared sends it "
             f"{1e3 * sent:.3g} mm at most by {largest:.3g} V; is the unit of channel valve_voltage right?"
             f"{_unit_hint(sent, way)}"
         )

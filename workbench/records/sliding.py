@@ -21,7 +21,6 @@ slower at a record's end gives some back."""
 SHORT_WAY = 0.02
 """Share of the stroke below which a travel is mostly a wrong unit of position."""
 
-
 OFF = 300.0
 """Times that friction is larger or smaller than as it is declared, from which the unit of a force is mostly wrong."""
 
@@ -108,7 +107,7 @@ def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
             f"the sign of {'position' if pressures else 'position or force'} wrong?"
         )
     level = values.get("coulomb", 0.0) + values.get("viscous", 0.0) * float(np.mean(np.abs(velocity)))
-    if not pressures and opposing > 0.0 < level and not 1.0 / OFF < opposing / level < OFF:
+    if not pressures and min(opposing, level) > 0.0 and max(opposing, level) > OFF * min(opposing, level):
         raise UserError(
             f"{record.path}: the force overcomes {opposing:.3g} {unit} of friction on the average, and as declared "
             f"that is {level:.3g} {unit}: is the unit of channel force right, or are coulomb and viscous?"

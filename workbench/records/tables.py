@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from plants.plugins import reason_of
-from workbench.errors import UserError, few_of, nearest
+from workbench.errors import UserError, nearest
 from workbench.records.channels import ChannelSpec
 from workbench.records.formats.registry import format_of
 from workbench.toml.reading import check_regular
@@ -118,6 +118,5 @@ def _place(path: Path, table: pd.DataFrame, name: str, channel: ChannelSpec) -> 
             f'{path}: no column "{channel.column}" for {name}: the file has no header; give the number of the column '
             f"from 0 to {count - 1}, such as column = 0"
         )
-    hint = nearest(channel.column, headers)
-    all_there_are = f" It has {few_of(headers)}" if hint.endswith("?") else ""  # the nearest may be another channel's
-    raise UserError(f'{path}: no column "{channel.column}" for {name}; {hint}{all_there_are}')
+    hint = nearest(channel.column, headers, with_others=True)  # the nearest may be another channel's
+    raise UserError(f'{path}: no column "{channel.column}" for {name}; {hint}')

@@ -268,8 +268,8 @@ def simulation_stage(
     if led is not None:
         again = searches.anew(base, searches.among_effects(base, led.simulated, led.effects))
         if _tells_more(again, found):
-            gains = {**led.gains, **again.gains}  # far from noise none is sought from end to end
-            gains = {effect: gain for effect, gain in gains.items() if effect in again.effects}
+            gained = {**led.gains, **again.gains}  # far from noise none is sought from end to end
+            gains = {effect: gained[effect] for effect in again.effects if effect in gained}
             found = replace(_without(given, again), steps=[*led.steps, *again.steps], gains=gains)
             return searches.held_otherwise(base, found, given)
     if found.after.excess > NEAR_NOISE:
