@@ -20,3 +20,8 @@ def part_of(progress: Progress, begin: float, share: float) -> Progress:
         progress(doing, None if done is None else begin + share * done)
 
     return told
+
+
+def of_unknown_length(progress: Progress) -> Progress:
+    """Progress of work of which nobody knows how much is left."""
+    return lambda doing, done=None, /: progress(doing)

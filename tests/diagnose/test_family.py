@@ -37,7 +37,7 @@ from family.noise import KINDS as NOISES
 from family.noise import QUANTISED, draw_noise
 from family.physics import PLACE, PRESSURE_1
 from family.records import CHANNELS, USES, outputs, record
-from family.scoring import attainable, matches, offered
+from family.scoring import attainable, matches, offered, score
 from family.suite import Options, run_cases, scores_table, times_table
 from family.summary import summary, wilson
 from family.unlisted import UNLISTED, Unlisted
@@ -335,6 +335,15 @@ def test_shares_and_powers() -> None:
     assert attainable(0.0, 30, signed=False) == pytest.approx(1.0 - 0.97 ** (1.0 / 30.0))
     assert attainable(3.0902, 30, signed=False) == pytest.approx(0.5, abs=0.01)
     assert attainable(8.0, 30, signed=True) > 0.999
+
+
+@pytest.mark.parametrize(("beside", "power"), [({"spring_load": 12.0}, 1.0), ({"spring_load": 0.5}, 0.03)])
+def test_what_no_list_has_is_told_from_each_that_one_has(beside: dict[str, float], power: float) -> None:
+    case = next(one for one in make_cases(SETS[0], [OTHER]))
+    inside = {"d_known": 40.0, "d_profiled": 30.0, "d_free_class": beside, "class": []}
+    row = score(case, {"effects": []}, {"effects": {case.truth: inside}, "candidates": ["spring_load"] * 30})
+    assert row["attainable"] == pytest.approx(power, abs=0.03)
+    assert row["stood_for"] == (power < 0.5)
 
 
 def test_a_leak_empties_its_chamber() -> None:

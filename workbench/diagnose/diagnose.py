@@ -36,7 +36,7 @@ from workbench.diagnose.simulation.reached import (
 )
 from workbench.diagnose.simulation.setup import as_simulated
 from workbench.diagnose.simulation.stage import SimulationStage, simulation_stage
-from workbench.progress import Progress, silent
+from workbench.progress import Progress, of_unknown_length, silent
 from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
 
@@ -58,11 +58,13 @@ def diagnose(path: Path, progress: Progress = silent) -> Diagnosis:
     sensor = [offset] if offset is not None else []
     plain = stage = baselines(experiment, motions, declared, offset, progress)
     base = simulated_baseline(experiment, as_simulated(experiment, motions), plain.simulation_start(sensor), progress)
+    searching = progress
     if base is None or base.fit.excess > NEAR_NOISE:
-        stage = with_effects(with_floors(plain, experiment, progress), experiment, progress)
+        searching = of_unknown_length(progress)
+        stage = with_effects(with_floors(plain, experiment, searching), experiment, searching)
     simulation = None
     if base is not None:
-        stage, start, found = _simulated(experiment, base, plain, stage, sensor, progress)
+        stage, start, found = _simulated(experiment, base, plain, stage, sensor, searching)
         simulation = without_refuted(experiment, found, held_out, start)
     return _diagnosis(experiment, held_out, declared, _effects_of(stage, sensor), stage, simulation, progress)
 

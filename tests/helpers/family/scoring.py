@@ -118,7 +118,7 @@ def score(case: Case, report: Mapping[str, Any], truth: Mapping[str, Any]) -> di
 
 def _limits(case: Case, truth: Mapping[str, Any], classes: Sequence[set[str]]) -> dict[str, Any]:
     """Distances of the weakest effect, the power that a test of each has, how many stand in its class; and of one that
-    no list has, whether a listed one can stand for it.
+    no list has, whether a listed one can stand for it: to be unexplained it has to be told from nothing and from each.
     """
     inside = (truth.get("effects") or {}).values()
     known = min((one["d_known"] for one in inside), default=math.nan)
@@ -126,7 +126,8 @@ def _limits(case: Case, truth: Mapping[str, Any], classes: Sequence[set[str]]) -
     tests = max(len(truth.get("candidates") or []), 1)
     power = 1.0 if case.effects else math.nan
     for name, one in zip(case.effects, inside, strict=False):
-        power *= attainable(one["d_profiled"], tests, name in EFFECTS and EFFECTS[name].signed)
+        beside = one["d_free_class"].values() if case.kind == OTHER else ()
+        power *= attainable(min([one["d_profiled"], *beside]), tests, name in EFFECTS and EFFECTS[name].signed)
     return {
         "d_known": known,
         "d_profiled": profiled,

@@ -143,7 +143,7 @@ def summary(title: str, scores: pd.DataFrame, times: pd.DataFrame) -> str:
     *Right* is an effect that is there, or one that this record cannot tell from it: fitted in its place with the
     machine's own parameters it leaves a distance below the limit. *Attainable* is the mean power of tests that know the
     effect's form and direction, at 3 % false alarms for all of a machine's effects together, of the distance that the
-    machine's own parameters leave.
+    machine's own parameters leave; of one that no list has, that the nearest listed one leaves beside them.
     """
     words = " ".join((summary.__doc__ or "").split("\n\n", 1)[1].split())
     blocks = [f"# {title}: {len(scores)} cases", words, shares(scores), ratios(scores), by_effect(scores)]
