@@ -27,7 +27,14 @@ from workbench.diagnose.simulation.fits import (
 )
 from workbench.diagnose.simulation.lacking import dependence_of, lacking
 from workbench.diagnose.simulation.leading import FILTERED, SHAKES
-from workbench.diagnose.simulation.nearer import fit_as_sensed, fit_farther, fit_led, fit_over_hollows
+from workbench.diagnose.simulation.nearer import (
+    crossovers,
+    fit_as_sensed,
+    fit_evolved,
+    fit_farther,
+    fit_led,
+    fit_over_hollows,
+)
 from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
@@ -198,6 +205,21 @@ def test_a_plant_that_goes_astray_is_led_back(
     for name in fitting.names:
         assert abs(found.fit.values[name] - truth[name]) < 3.0 * found.fit.deviations[name], name
         assert found.fit.deviations[name] < 1e-3 * truth[name], name
+
+
+def test_a_free_run_is_found_about_a_fit_beside_a_loop(drifting: Made) -> None:
+    how, motions, truth = drifting
+    fitting = Fitting(motions, ("coulomb", "viscous"), {})
+    start = {**truth, "coulomb": 1.1 * truth["coulomb"], "viscous": 0.8 * truth["viscous"]}
+    first = fitting.begun(how, start)
+    assert first.fit.excess > 100.0
+    led = fitting.final(fitting.found(how.led(motions, start, next(crossovers(how, motions, start))), start))
+    found = fit_evolved(first, fitting, led.fit)
+    assert not found.how.is_led(motions[0])
+    assert found.fit.rms == pytest.approx(1.0, abs=0.1)
+    for name in fitting.names:
+        assert abs(found.fit.values[name] - truth[name]) < 3.0 * found.fit.deviations[name], name
+    assert fit_evolved(found, fitting, led.fit) is found, "it is near noise"
 
 
 def test_the_quickest_loop_makes_no_force_of_noise_that_shakes_a_contact(drifting: Made) -> None:

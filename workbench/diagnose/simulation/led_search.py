@@ -15,7 +15,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import Effects, Step
 from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, Fitting, Simulated
-from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed
+from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed, fit_evolved
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -79,8 +79,9 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
         numbers = {
             name: tuple(number for number in effect.numbers if number in one.names) for name, effect in known.items()
         }
+        free = fit_as_sensed(own.final(own.begun(whole, one.values)), own, one.values)
         yield FoundLed(
-            fit_as_sensed(own.final(own.begun(whole, one.values)), own, one.values),
+            fit_evolved(free, own, one) if one.excess < NEAR_NOISE else free,
             {name: those for name, those in numbers.items() if those and not set(those) <= set(fitting.names)},
             found.steps[: place + 1],
             found.gains,

@@ -15,6 +15,7 @@ import numpy as np
 from workbench.diagnose.residuals.fit import NEAR_NOISE, QUICK, THOROUGH, Fit, fit, stacks, unknowns_of
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values, values_at
+from workbench.diagnose.simulation.evolution import evolved
 from workbench.diagnose.simulation.fits import ASTRAY, AT_NOISE, BETTER, NOISE, PIECES, Fitting, Simulated
 from workbench.diagnose.simulation.setup import follows
 from workbench.diagnose.simulation.shooting import Shooting
@@ -37,6 +38,10 @@ lead out of one."""
 WEAKER, WEAKEST = 2.0, 0.1
 """Times that one loop that leads a plant along its records is quicker than the next, and the least crossover of one,
 over one over the longest record's duration: what it corrects by then is a hundredth of what it would move anyway."""
+
+DEVIATIONS, GENERATIONS = 2.0, 120
+"""Deviations of a fit beside a loop by which the first free runs that are tried lie away from it, and how many
+generations of them are, at most."""
 
 ALIKE = 0.01
 """Part by which what a loop leaves differs from what the one before did, up to which it no longer decides."""
@@ -61,10 +66,12 @@ def fit_as_sensed(first: Simulated, fitting: Fitting, start: Values) -> Simulate
 def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
     """The same by way of loops that lead the plant along its records, each weaker than the one before, from `start` on,
     if that leads nearer to noise. Where a led run starts is found with its parameters: a weak loop hardly corrects it,
-    and parameters would.
+    and parameters would. Where no loop leads to a free run that is near noise, the weakest beside which the plant is
+    says where one is to be looked for.
     """
     whole, motions, best = replace(first.how, length=np.inf, begins={}), fitting.motions, first
     led: Simulated | None = None
+    near: Simulated | None = None
     left = list[float]()
     for crossover in crossovers(whole, motions, start):
         values, begins = (start, {}) if led is None else (led.fit.values, led.how.begins)
@@ -72,12 +79,27 @@ def fit_led(first: Simulated, fitting: Fitting, start: Values) -> Simulated:
         left.append(led.fit.excess)
         if _is_lost(left) or led.fit.rms > first.fit.rms:
             break
+        near = led if led.fit.excess < NEAR_NOISE else near
         free = fitting.begun(replace(whole, begins=led.how.begins), led.fit.values)
         if free.fit.rms < best.fit.rms:
             best = free
         if free.fit.rms < AT_NOISE * led.fit.rms and (free.fit.excess < NEAR_NOISE or _are_alike(left)):
             break
-    return first if best is first else fitting.final(fitting.bettered(best))
+    best = best if best is first else fitting.final(fitting.bettered(best))
+    return best if near is None else fit_evolved(best, fitting, fitting.final(near).fit)
+
+
+def fit_evolved(first: Simulated, fitting: Fitting, led: Fit) -> Simulated:
+    """The same, if it is not near noise, from that free run which leaves least of those that the deviations of a fit
+    beside a loop leave open, if that leads nearer: where a contact sticks and slips with a loop that makes a force of
+    noise, weaker ones may lead astray what follows its record without any.
+    """
+    if first.fit.excess < NEAR_NOISE:
+        return first
+    whole = replace(first.how, length=np.inf, begins={})
+    free = whole.as_sensed(fitting.motions).balance(fitting.motions, fitting.names)
+    lower = fitting.begun(whole, evolved(free, led, DEVIATIONS, GENERATIONS, NEAR_NOISE))
+    return fitting.final(fitting.bettered(lower)) if lower.fit.rms < first.fit.rms else first
 
 
 def fit_over_hollows(first: Simulated, fitting: Fitting) -> Simulated:
