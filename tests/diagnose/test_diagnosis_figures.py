@@ -15,7 +15,7 @@ from workbench.diagnose.report.figures.evidence import (
     draw_evidence,
 )
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
-from workbench.diagnose.report.figures.simulation import _compared, simulation_data
+from workbench.diagnose.report.figures.simulation import _compared, _kept, simulation_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.result import Diagnosis
@@ -71,6 +71,19 @@ def test_the_simulated_curves_are_of_the_plants_whose_errors_are_told(diagnosis:
     told = [diagnosis.errors.fit.before.position, diagnosis.errors.fit.after.position]
     assert drawn((before, after)) == pytest.approx(told, rel=1e-6)
     assert drawn((after, before)) == pytest.approx(told[::-1], rel=1e-6)
+
+
+def test_a_figure_says_what_keeps_the_plant_beside_its_record(diagnosis: Diagnosis) -> None:
+    assert diagnosis.simulation is not None
+    how = diagnosis.simulation.how
+    ways = [how, replace(how, crossover=5.0), replace(how, is_beside=True)]
+    titles, captions = zip(*(_kept(replace(diagnosis.simulation, how=way)) for way in ways), strict=True)
+    assert titles == (
+        "from the measured input alone",
+        "and led along the record by a loop of 5 rad/s",
+        "and kept beside the record by a filter",
+    )
+    assert captions[1] == "a force on its mass by which a loop of 5 rad/s leads it along the record"
 
 
 def test_the_noise_of_a_quick_machine_is_what_its_plant_leaves(diagnosis: Diagnosis) -> None:

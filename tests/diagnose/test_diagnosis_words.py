@@ -31,6 +31,19 @@ def test_it_is_said_that_deviations_rest_on_what_is_held(diagnosis: Diagnosis) -
     assert any("Deviations take what is held for exact, mass and areas too" in line for line in sureness(diagnosis))
 
 
+def test_it_is_said_that_a_loop_leads_the_plant(diagnosis: Diagnosis) -> None:
+    simulation = diagnosis.simulation
+    assert simulation is not None
+    assert simulation.to_json()["led_by_rad_s"] is None
+    assert not any("loop" in line for line in sureness(diagnosis))
+    led = replace(simulation, how=replace(simulation.how, crossover=5.0))
+    assert led.to_json()["led_by_rad_s"] == 5.0
+    (told,) = (line for line in sureness(replace(diagnosis, simulation=led)) if "loop" in line)
+    assert told.startswith(
+        "Simulated from end to end, led by a loop of 5.0 rad/s that it does not do without, and fitted"
+    )
+
+
 def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:
     two = replace(diagnosis.effects[0], alternatives=["internal_leakage", "supply_droop"])
     ambiguous = replace(diagnosis, effects=[two])

@@ -10,9 +10,12 @@ from scipy.signal import lfilter
 
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import NEAR_NOISE
+from workbench.diagnose.selection.search import Found
 from workbench.diagnose.simulation import led_search
 from workbench.diagnose.simulation.fits import ASTRAY, Fitting
-from workbench.diagnose.simulation.led_search import FoundLed, found_led
+from workbench.diagnose.simulation.fits import NOISE as AT_NOISE
+from workbench.diagnose.simulation.led_search import CARRIES, FoundLed, carried, found_led
+from workbench.diagnose.simulation.nearer import crossovers
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.records.experiment import read_experiment
@@ -85,3 +88,30 @@ def test_nothing_is_sought_beside_a_loop_that_leaves_no_less(tmp_path: Path, mon
 def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:
     _, led = found(tmp_path, 0.0)
     assert led is None
+
+
+@pytest.mark.parametrize(("pitch", "carries"), [(0.05, True), (0.06, False)])
+def test_what_was_found_beside_a_loop_leads_the_plant_beside_weaker_ones(
+    pitch: float, carries: bool, tmp_path: Path
+) -> None:
+    """A force of 150 N that repeats every 5 cm, and one of another pitch."""
+    acting = {"cogging_cosine": 150.0, "cogging_pitch": 0.05}
+    experiment = read_experiment(driven_experiment(tmp_path, 0.0, NOISE, DURATION, stroke=1.0, acting=acting))
+    motions = motions_of(experiment, read_records(experiment))
+    how, values = shooting_of(experiment, motions), {**declared_values(experiment), "coulomb": TRUE["coulomb"]}
+    assert how is not None
+    fitting, quickest = Fitting(motions, ("viscous",), {}), next(crossovers(how, motions, values))
+    led = fitting.final(fitting.found(how.led(motions, values, quickest), values))
+    own = Fitting(motions, ("viscous", "cogging_cosine"), {})
+    with_it = own.final(own.found(led.how, {**values, **acting, "cogging_pitch": pitch}))
+    found = Found(with_it.fit, {"cogging": ("cogging_cosine",)}, [], {"cogging": 50.0}, {}, {})
+    kept = carried(how, fitting, led, found)
+    assert bool(kept) is carries
+    for one in kept:
+        weakest = one.simulated.how.crossover
+        assert one.alone is not None
+        assert weakest is not None
+        assert weakest == one.alone.how.crossover
+        assert weakest <= quickest / CARRIES
+        assert one.simulated.fit.excess < AT_NOISE < one.alone.fit.excess
+        assert one.simulated.fit.values["cogging_cosine"] == pytest.approx(150.0, rel=0.02)

@@ -161,6 +161,10 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
     along = "from end to end" if pieces is None else f"in pieces of {pieces:g} s, since it runs away before the end"
     if simulation.is_beside:
         along = "beside its records, whose force has the noise of a sensor, as it foresees the next position,"
+    if simulation.loop is not None:
+        along = (
+            f"from end to end, led by a loop of {shown_number(simulation.loop, 2)} rad/s that it does not do without,"
+        )
     without = f", {shown_number(simulation.before.rms, 3)} without what was found" if diagnosis.effects else ""
     error = (
         f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise{without}; "

@@ -3,6 +3,10 @@
 Far from noise a run from end to end breaks away elsewhere with every parameter, and what an effect would change to
 first order there is no guide. A loop takes most of what builds up, so that the plant stays beside its records: there
 first order leads far. What was found so is then fitted to free runs, which decide.
+
+Some plants no run follows from end to end, not even with their very parameters: over the hills of a cogging force the
+noise of a start grows until it decides on which side a mass comes down. What leads such a plant near noise beside loops
+that are weaker by far is decided beside the weakest of these.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,7 +19,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import Effects, Step
 from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, Fitting, Simulated
-from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed, fit_evolved
+from workbench.diagnose.simulation.nearer import WEAKER, WEAKEST, crossovers, fit_as_sensed, fit_evolved
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -24,31 +28,37 @@ from workbench.records.experiment import Experiment
 SEARCHES, LOOPS = 2, 6
 """Loops beside which effects are sought, and loops that are tried, from the quickest, at most."""
 
+CARRIES = 4.0
+"""Times that a loop is weaker at least beside which what was found keeps a plant near noise than the one beside which
+it was found: what makes up for a way that was lost does so beside one loop."""
+
 
 @dataclass(frozen=True, eq=False)
 class FoundLed:
     """The plant from end to end with what was found beside a loop: its effects, the rounds of the search, and what each
-    effect gains there in the logarithm of the likelihood.
+    effect gains there in the logarithm of the likelihood. Where no free run is near noise it is beside a loop, as it is
+    `alone` without effects.
     """
 
     simulated: Simulated
     effects: Effects
     steps: Sequence[Step]
     gains: Mapping[str, float]
+    alone: Simulated | None = None
 
 
 def found_led(
     experiment: Experiment, motions: Sequence[Motion], base: Simulated, start: SimulationStart
 ) -> FoundLed | None:
-    """What brings the plant nearest to noise of that which loops show; None where nothing brings it nearer than it is
-    without effects. A loop beside which nothing is left, or beside which the plant is astray, shows nothing, and one
-    that leaves as much as no loop what that shows. The command holds from sample to sample: so far from noise nobody
-    can tell.
+    """What brings the plant nearest to noise of that which loops show, without any loop or beside one; None where
+    nothing brings it nearer than it is without effects. A loop beside which nothing is left, or beside which the plant
+    is astray, shows nothing, and one that leaves as much as no loop what that shows. The command holds from sample to
+    sample: so far from noise nobody can tell.
     """
     whole = shooting_of(experiment, motions, held=True)
     assert whole is not None  # the plant without effects was simulated
     fitting, values = Fitting(motions, base.fit.names, experiment.bounds), start.baseline
-    reached, searched = list[FoundLed](), 0
+    reached, kept, searched = list[FoundLed](), list[FoundLed](), 0
     for crossover in islice(crossovers(whole, motions, values), LOOPS):
         led = fitting.final(fitting.found(whole.led(motions, values, crossover), values))
         values = led.fit.values
@@ -56,12 +66,14 @@ def found_led(
             break
         if led.fit.excess > NOISE and led.fit.rms < BETTER * base.fit.rms:
             searched += 1
-            for one in _freely(
-                whole, fitting, search(led.fit, {}, asked_of(led.how, motions, start, experiment.bounds))
-            ):
+            found = search(led.fit, {}, asked_of(led.how, motions, start, experiment.bounds))
+            for one in _freely(whole, fitting, found):
                 reached.append(one)
                 if one.simulated.fit.excess < NEAR_NOISE:
                     return one
+            kept += [] if kept else carried(whole, fitting, led, found)
+    if kept:
+        return kept[0]
     best = min(reached, key=lambda one: one.simulated.fit.rms, default=None)
     return best if best is not None and best.simulated.fit.rms < BETTER * base.fit.rms else None
 
@@ -86,3 +98,24 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
             found.steps[: place + 1],
             found.gains,
         )
+
+
+def carried(whole: Shooting, fitting: Fitting, led: Simulated, found: Found) -> list[FoundLed]:
+    """What a search beside a loop found, beside the weakest loop that keeps the plant near noise with it; nothing where
+    that is no weaker by far.
+    """
+    sought = led.how.crossover
+    if sought is None or not found.effects or found.fit.excess > NOISE:
+        return []
+    own, slowest = replace(fitting, names=found.fit.names), max(float(m.record.time[-1]) for m in fitting.motions)
+    best, crossover, values, begins = None, sought / WEAKER, found.fit.values, led.how.begins
+    while crossover > WEAKEST / slowest:
+        one = own.found(replace(whole.led(fitting.motions, values, crossover), begins=begins), values)
+        if one.fit.excess > NOISE:
+            break
+        best, values, begins = one, one.fit.values, one.how.begins
+        crossover /= WEAKER
+    if best is None or best.how.crossover is None or best.how.crossover > sought / CARRIES:
+        return []
+    alone = fitting.final(fitting.found(replace(best.how, begins={}), led.fit.values))
+    return [FoundLed(own.final(best), dict(found.effects), found.steps, found.gains, alone)]

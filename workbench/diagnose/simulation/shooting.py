@@ -77,7 +77,7 @@ class Shooting:
     """How a plant is simulated along records: its setup for each, what it is compared by, which `effects` it may lack,
     on a machine of which `scales`, whether it `is_beside` its records, which show with noise what drives it, and how
     often (s) it starts anew, in `most` pieces of a record at most. `priors` are what is declared of parameters that are
-    known to a deviation.
+    known to a deviation; `crossover` is that (rad/s) of a loop that leads the plant along its records, if one does.
 
     The command is `held` from sample to sample or a straight line, as any other input. The plant starts with
     what is measured, smoothed, and with a contact that carries what the balance of forces leaves to it; `begins` is
@@ -96,6 +96,7 @@ class Shooting:
     begins: Mapping[Record, np.ndarray] = field(default_factory=dict)
     push: Push | None = None
     priors: Priors = field(default_factory=dict)
+    crossover: float | None = None
 
     @property
     def has_valve(self) -> bool:
@@ -266,7 +267,7 @@ class Shooting:
         setups = {
             motion.record: led(self.setups[motion.record], self.along, motion, values, crossover) for motion in motions
         }
-        return replace(self, setups=setups)
+        return replace(self, setups=setups, crossover=crossover)
 
     def errors(self, motion: Motion, values: Values, moved: np.ndarray | None = None) -> list[np.ndarray]:
         """Measured less simulated, a row a channel, in standard deviations of the sensor's noise: means over the times

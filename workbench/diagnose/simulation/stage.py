@@ -23,6 +23,7 @@ from workbench.diagnose.simulation.believed import believed
 from workbench.diagnose.simulation.by_curve import Curved, in_its_place
 from workbench.diagnose.simulation.filters import filtered
 from workbench.diagnose.simulation.fits import NOISE, TRUSTED, Fitting, Simulated, exactly
+from workbench.diagnose.simulation.lacking import BESIDE
 from workbench.diagnose.simulation.led_search import found_led
 from workbench.diagnose.simulation.nearer import fit_farther
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of, given_by, may_leave_less
@@ -77,6 +78,13 @@ class SimulationStage:
         return self.how.is_beside
 
     @property
+    def loop(self) -> float | None:
+        """rad/s: the crossover of the loop that leads the plant along its records, which it does not follow without;
+        None where none does.
+        """
+        return self.how.crossover
+
+    @property
     def is_near(self) -> bool:
         """Whether it tells by itself what is missing, and that nothing is."""
         return Simulated(self.how, self.after).is_near
@@ -97,12 +105,13 @@ class SimulationStage:
         return self.after.excess < NOISE
 
     def along(self, experiment: Experiment, motions: Sequence[Motion]) -> Shooting:
-        """The plant from end to end of other records, beside which filters keep it, where it has such, that know what
-        was found.
+        """The plant from end to end of other records, beside which filters keep it or a loop leads it, where it has
+        such, that know what was found.
         """
         whole = shooting_of(experiment, motions, held=self.how.held)
         assert whole is not None  # one record of an experiment is simulated as another is
-        return filtered(whole, motions, self.after.values)
+        whole = filtered(whole, motions, self.after.values)
+        return whole if self.loop is None else whole.led(motions, self.after.values, self.loop)
 
     def to_json(self) -> dict[str, object]:
         """As report.json holds it: errors in standard deviations of the sensors' noise."""
@@ -113,6 +122,7 @@ class SimulationStage:
             "starts_anew_every_s": self.starts_anew_every,
             "voltage_is_held": self.how.held,
             "beside_the_record": self.is_beside,
+            "led_by_rad_s": self.loop,
             "parameters_from_it": self.is_trusted,
             "dropped": list(self.dropped),
             "stood_in": list(self.stood_in),
@@ -152,6 +162,8 @@ class Searches:
                 dropped = list(given)
         lacks, stood_in = None, tuple[str, ...]()
         ask = asked_of(how, self.motions, self.start, self.experiment.bounds)
+        if how.crossover is not None:
+            ask = replace(ask, times=BESIDE)
         if Simulated(how, current).is_near:
             self.progress("what the simulated plant lacks", 0.6)
             found = search(current, effects, ask)
@@ -265,7 +277,11 @@ def simulation_stage(
     if found.after.excess > NEAR_NOISE:
         progress("effects while a loop leads the plant along its records")
         led = found_led(experiment, motions, base, start)
-    if led is not None:
+    if led is not None and led.alone is not None:
+        again = searches.among_effects(led.alone, led.simulated, led.effects)
+        if again.effects and again.is_near:
+            return replace(_without(given, again), steps=[*led.steps, *again.steps])
+    elif led is not None:
         again = searches.anew(base, searches.among_effects(base, led.simulated, led.effects))
         if _tells_more(again, found):
             gained = {**led.gains, **again.gains}  # far from noise none is sought from end to end

@@ -62,11 +62,12 @@ class ComparedRecord:
 
 @dataclass(frozen=True)
 class SimulationData:
-    """The records that are drawn, and the models beside them; whether a filter keeps these there."""
+    """The records that are drawn, and the models beside them; what keeps these there, for a title, and how."""
 
     records: Sequence[ComparedRecord]
     sides: Sequence[Side]
-    is_beside: bool
+    kept: str
+    how: str
 
 
 def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> SimulationData:
@@ -92,7 +93,20 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
         )
         for use, motion in motions
     ]
-    return SimulationData(records, sides, simulation.is_beside)
+    return SimulationData(records, sides, *_kept(simulation))
+
+
+def _kept(simulation: SimulationStage) -> tuple[str, str]:
+    """What keeps a plant beside its records, for a title, and how, for a caption."""
+    if simulation.is_beside:
+        return (
+            "and kept beside the record by a filter",
+            "a filter corrects it by what it did not foresee of each position",
+        )
+    if simulation.loop is not None:
+        loop = f"a loop of {simulation.loop:.2g} rad/s"
+        return f"and led along the record by {loop}", f"a force on its mass by which {loop} leads it along the record"
+    return "from the measured input alone", "nothing else, from the record's beginning to its end"
 
 
 def _simulated(
@@ -144,8 +158,7 @@ def draw_simulation(data: SimulationData) -> Picture:
     with figure_style():
         figure = Figure(figsize=(WIDE, 1.8 * height * len(records) + 0.8))
         FigureCanvasAgg(figure)
-        way = "and kept beside the record by a filter" if data.is_beside else "from the measured input alone"
-        figure.suptitle(f"Simulated {way}, against measured")
+        figure.suptitle(f"Simulated {data.kept}, against measured")
         panels = figure.subplots(height * len(records), columns, squeeze=False)
         for row, record in enumerate(records):
             own = panels[height * row : height * (row + 1)]
@@ -157,12 +170,8 @@ def draw_simulation(data: SimulationData) -> Picture:
                 axes.set_visible(False)
         legend(figure, *panels[:height, 0])
     caption = (
-        (
-            "The plant gets the measured input, and a filter corrects it by what it did not foresee of each position. "
-            if data.is_beside
-            else "The plant gets the measured input and nothing else, from the record's beginning to its end. "
-        )
-        + "Upper panels: what its sensors would have shown, over what they showed. Lower panels: the difference"
+        f"The plant gets the measured input, and {data.how}. "
+        "Upper panels: what its sensors would have shown, over what they showed. Lower panels: the difference"
         + (", before and after on scales of their own" if len(sides) > 1 else "")
         + "; grey is the sensors' noise (two standard deviations). A curve that leaves its panel has run away."
     )
