@@ -42,6 +42,7 @@ def test_it_is_said_that_a_loop_leads_the_plant(diagnosis: Diagnosis) -> None:
     assert told.startswith(
         "Simulated from end to end, led by a loop of 5.0 rad/s that it does not do without, and fitted"
     )
+    assert told.endswith("take the loop's force for known and may be several times too small.")
 
 
 def test_every_verdict_has_its_sentence(diagnosis: Diagnosis) -> None:

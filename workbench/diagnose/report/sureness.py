@@ -170,6 +170,8 @@ def _of_simulation(diagnosis: Diagnosis) -> list[str]:
         f"is off by {shown_number(simulation.after.rms, 3)} standard deviations of the sensors' noise{without}; "
         "the parameters are of this fit"
     )
+    if simulation.loop is not None:
+        error += ", whose deviations take the loop's force for known and may be several times too small"
     if simulation.curved is not None:
         error = _with_curve(simulation, simulation.curved, diagnosis.axis)
     elif not simulation.is_trusted:

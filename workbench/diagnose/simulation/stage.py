@@ -265,8 +265,8 @@ def simulation_stage(
     """Let effects compete for what the plant leaves, without any and with those that the balances found.
 
     Of a plant that a curve alone brings near to noise an effect is sought that does in its place. Of one that nothing
-    brings near they are sought while loops lead it along its records. Where that finds none it may have lost its way,
-    and is fitted once more by way of pieces.
+    brings near they are sought while loops lead it along its records, and count beside one where no run follows
+    without. Where that finds none it may have lost its way, and is fitted once more by way of pieces.
     """
     motions, given = base.fit.balance.motions, given_by(base, start) if with_them is not None else {}
     searches = Searches(experiment, motions, start, progress)
@@ -279,8 +279,8 @@ def simulation_stage(
         led = found_led(experiment, motions, base, start)
     if led is not None and led.alone is not None:
         again = searches.among_effects(led.alone, led.simulated, led.effects)
-        if again.effects and again.is_near:
-            return replace(_without(given, again), steps=[*led.steps, *again.steps])
+        if again.effects and again.follows:  # what little remains may be what a loop makes of noise
+            return replace(_without(given, again), steps=[*led.steps, *again.steps], lacks=None)
     elif led is not None:
         again = searches.anew(base, searches.among_effects(base, led.simulated, led.effects))
         if _tells_more(again, found):
