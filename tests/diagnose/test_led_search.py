@@ -1,5 +1,6 @@
 """Effects far from noise are found while a loop leads the plant along its record; free runs tell their size."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +12,15 @@ from scipy.signal import lfilter
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import NEAR_NOISE
 from workbench.diagnose.selection.search import Found
-from workbench.diagnose.simulation import led_search
+from workbench.diagnose.simulation import led_search, stage
 from workbench.diagnose.simulation.fits import ASTRAY, Fitting
 from workbench.diagnose.simulation.fits import NOISE as AT_NOISE
 from workbench.diagnose.simulation.led_search import CARRIES, FoundLed, carried, found_led
 from workbench.diagnose.simulation.nearer import crossovers
 from workbench.diagnose.simulation.reached import SimulationStart
 from workbench.diagnose.simulation.setup import shooting_of
-from workbench.records.experiment import read_experiment
+from workbench.progress import silent
+from workbench.records.experiment import Experiment, read_experiment
 from workbench.records.reading import read_records
 
 NAMES = ("coulomb", "stribeck", "viscous")
@@ -90,28 +92,51 @@ def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:
     assert led is None
 
 
-@pytest.mark.parametrize(("pitch", "carries"), [(0.05, True), (0.06, False)])
-def test_what_was_found_beside_a_loop_leads_the_plant_beside_weaker_ones(
-    pitch: float, carries: bool, tmp_path: Path
-) -> None:
-    """A force of 150 N that repeats every 5 cm, and one of another pitch."""
+Beside = tuple[Experiment, Fitting, list[FoundLed], float]
+
+
+def beside_loops(folder: Path, pitch: float) -> Beside:
+    """A drive with a force of 150 N that repeats every 5 cm, with one of some pitch that was found beside the quickest
+    loop (rad/s), and what that leads to beside weaker ones.
+    """
     acting = {"cogging_cosine": 150.0, "cogging_pitch": 0.05}
-    experiment = read_experiment(driven_experiment(tmp_path, 0.0, NOISE, DURATION, stroke=1.0, acting=acting))
+    experiment = read_experiment(driven_experiment(folder, 0.0, NOISE, 0.5 * DURATION, stroke=1.0, acting=acting))
     motions = motions_of(experiment, read_records(experiment))
     how, values = shooting_of(experiment, motions), {**declared_values(experiment), "coulomb": TRUE["coulomb"]}
     assert how is not None
+    how = replace(how, effects=("cogging", "spring_load"))
     fitting, quickest = Fitting(motions, ("viscous",), {}), next(crossovers(how, motions, values))
     led = fitting.final(fitting.found(how.led(motions, values, quickest), values))
     own = Fitting(motions, ("viscous", "cogging_cosine"), {})
     with_it = own.final(own.found(led.how, {**values, **acting, "cogging_pitch": pitch}))
     found = Found(with_it.fit, {"cogging": ("cogging_cosine",)}, [], {"cogging": 50.0}, {}, {})
-    kept = carried(how, fitting, led, found)
-    assert bool(kept) is carries
-    for one in kept:
-        weakest = one.simulated.how.crossover
-        assert one.alone is not None
-        assert weakest is not None
-        assert weakest == one.alone.how.crossover
-        assert weakest <= quickest / CARRIES
-        assert one.simulated.fit.excess < AT_NOISE < one.alone.fit.excess
-        assert one.simulated.fit.values["cogging_cosine"] == pytest.approx(150.0, rel=0.02)
+    return experiment, fitting, carried(how, fitting, led, found), quickest
+
+
+def test_what_was_found_beside_a_loop_counts_beside_the_weakest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    experiment, fitting, (kept,), quickest = beside_loops(tmp_path, 0.05)
+    weakest, alone = kept.simulated.how.crossover, kept.alone
+    assert weakest is not None
+    assert alone is not None
+    assert weakest == alone.how.crossover
+    assert weakest <= quickest / CARRIES
+    assert kept.simulated.fit.excess < AT_NOISE < alone.fit.excess
+    assert kept.simulated.fit.values["cogging_cosine"] == pytest.approx(150.0, rel=0.02)
+    declared, motions = declared_values(experiment), fitting.motions
+    base = fitting.begun(replace(alone.how, setups=shooting_of(experiment, motions).setups, crossover=None), declared)
+    assert base.is_astray
+    monkeypatch.setattr(stage, "found_led", lambda *_: kept)
+    start = SimulationStart(fitting.names, declared, declared, declared, {}, {})
+    ended = stage.simulation_stage(experiment, start, base, None, None, silent)
+    assert set(ended.effects) == {"cogging"}
+    assert ended.loop == weakest
+    assert ended.lacks is None
+    assert ended.before.excess > AT_NOISE
+    assert ended.along(experiment, motions).crossover == weakest
+
+
+def test_what_leads_the_plant_beside_one_loop_alone_is_no_finding(tmp_path: Path) -> None:
+    """A force of another pitch."""
+    assert beside_loops(tmp_path, 0.06)[2] == []
