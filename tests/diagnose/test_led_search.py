@@ -92,7 +92,7 @@ def test_nothing_is_found_where_nothing_is_missing(tmp_path: Path) -> None:
     assert led is None
 
 
-Beside = tuple[Experiment, Fitting, list[FoundLed], float]
+Beside = tuple[Experiment, Fitting, FoundLed | None, float]
 
 
 def beside_loops(folder: Path, pitch: float) -> Beside:
@@ -116,7 +116,8 @@ def beside_loops(folder: Path, pitch: float) -> Beside:
 def test_what_was_found_beside_a_loop_counts_beside_the_weakest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    experiment, fitting, (kept,), quickest = beside_loops(tmp_path, 0.05)
+    experiment, fitting, kept, quickest = beside_loops(tmp_path, 0.05)
+    assert kept is not None
     weakest, alone = kept.simulated.how.crossover, kept.alone
     assert weakest is not None
     assert alone is not None
@@ -139,4 +140,4 @@ def test_what_was_found_beside_a_loop_counts_beside_the_weakest(
 
 def test_what_leads_the_plant_beside_one_loop_alone_is_no_finding(tmp_path: Path) -> None:
     """A force of another pitch."""
-    assert beside_loops(tmp_path, 0.06)[2] == []
+    assert beside_loops(tmp_path, 0.06)[2] is None

@@ -19,7 +19,7 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import Effects, Step
 from workbench.diagnose.simulation.fits import ASTRAY, BETTER, NOISE, Fitting, Simulated
-from workbench.diagnose.simulation.nearer import WEAKER, WEAKEST, crossovers, fit_as_sensed, fit_evolved
+from workbench.diagnose.simulation.nearer import crossovers, fit_as_sensed, fit_evolved, weaker
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
@@ -58,7 +58,7 @@ def found_led(
     whole = shooting_of(experiment, motions, held=True)
     assert whole is not None  # the plant without effects was simulated
     fitting, values = Fitting(motions, base.fit.names, experiment.bounds), start.baseline
-    reached, kept, searched = list[FoundLed](), list[FoundLed](), 0
+    reached, searched = list[FoundLed](), 0
     for crossover in islice(crossovers(whole, motions, values), LOOPS):
         led = fitting.final(fitting.found(whole.led(motions, values, crossover), values))
         values = led.fit.values
@@ -71,9 +71,8 @@ def found_led(
                 reached.append(one)
                 if one.simulated.fit.excess < NEAR_NOISE:
                     return one
-            kept += [] if kept else carried(whole, fitting, led, found)
-    if kept:
-        return kept[0]
+            if (beside := carried(whole, fitting, led, found)) is not None:
+                return beside
     best = min(reached, key=lambda one: one.simulated.fit.rms, default=None)
     return best if best is not None and best.simulated.fit.rms < BETTER * base.fit.rms else None
 
@@ -100,22 +99,21 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
         )
 
 
-def carried(whole: Shooting, fitting: Fitting, led: Simulated, found: Found) -> list[FoundLed]:
-    """What a search beside a loop found, beside the weakest loop that keeps the plant near noise with it; nothing where
+def carried(whole: Shooting, fitting: Fitting, led: Simulated, found: Found) -> FoundLed | None:
+    """What a search beside a loop found, beside the weakest loop that keeps the plant near noise with it; None where
     that is no weaker by far.
     """
     sought = led.how.crossover
     if sought is None or not found.effects or found.fit.excess > NOISE:
-        return []
-    own, slowest = replace(fitting, names=found.fit.names), max(float(m.record.time[-1]) for m in fitting.motions)
-    best, crossover, values, begins = None, sought / WEAKER, found.fit.values, led.how.begins
-    while crossover > WEAKEST / slowest:
-        one = own.found(replace(whole.led(fitting.motions, values, crossover), begins=begins), values)
-        if one.fit.excess > NOISE:
+        return None
+    own, motions, best = replace(fitting, names=found.fit.names), fitting.motions, Simulated(led.how, found.fit)
+    for crossover in islice(weaker(sought, motions), 1, None):
+        how = whole.led(motions, best.fit.values, crossover)
+        weak = own.found(replace(how, begins=best.how.begins), best.fit.values)
+        if weak.fit.excess > NOISE:
             break
-        best, values, begins = one, one.fit.values, one.how.begins
-        crossover /= WEAKER
-    if best is None or best.how.crossover is None or best.how.crossover > sought / CARRIES:
-        return []
+        best = weak
+    if best.how.crossover is None or best.how.crossover > sought / CARRIES:
+        return None
     alone = fitting.final(fitting.found(replace(best.how, begins={}), led.fit.values))
-    return [FoundLed(own.final(best), dict(found.effects), found.steps, found.gains, alone)]
+    return FoundLed(own.final(best), dict(found.effects), found.steps, found.gains, alone)

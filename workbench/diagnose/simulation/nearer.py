@@ -178,7 +178,11 @@ def crossovers(whole: Shooting, motions: Sequence[Motion], values: Values) -> It
     """
     if whole.is_beside or not whole.takes_a_force or whole.along.plant.delayed:
         return
-    crossover = min(whole.quickest(motion, values) for motion in motions)
+    yield from weaker(min(whole.quickest(motion, values) for motion in motions), motions)
+
+
+def weaker(crossover: float, motions: Sequence[Motion]) -> Iterator[float]:
+    """This crossover (rad/s) of a loop, and those of weaker and weaker ones."""
     while crossover > WEAKEST / max(float(motion.record.time[-1]) for motion in motions):
         yield crossover
         crossover /= WEAKER
