@@ -90,7 +90,7 @@ def lacking(how: Shooting, fitted: Fit) -> list[Lacking]:
     """What a fit of the simulated plant lacks, over each signal, from what gains most."""
     motions = fitted.balance.motions
     followed = [simulated_motion(how, motion, fitted) for motion in motions]
-    beside = BESIDE if how.is_beside or how.crossover is not None else 1.0
+    beside = BESIDE if how.is_kept else 1.0
     base = stacked(how.balance(motions, ()), fitted.values)
     wanted = [
         (balance, *each) for balance, own in PUSHES.items() for each in own if _is_there(how, motions, balance, each[0])

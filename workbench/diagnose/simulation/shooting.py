@@ -99,6 +99,11 @@ class Shooting:
     crossover: float | None = None
 
     @property
+    def is_kept(self) -> bool:
+        """Whether a filter or a loop keeps the plant beside its records, which makes of noise what no free run has."""
+        return self.is_beside or self.crossover is not None
+
+    @property
     def has_valve(self) -> bool:
         """Whether the command is that of a valve."""
         return self.along.plant.command in VALVES

@@ -162,7 +162,7 @@ class Searches:
                 dropped = list(given)
         lacks, stood_in = None, tuple[str, ...]()
         ask = asked_of(how, self.motions, self.start, self.experiment.bounds)
-        if how.crossover is not None:
+        if how.is_kept:
             ask = replace(ask, times=BESIDE)
         if Simulated(how, current).is_near:
             self.progress("what the simulated plant lacks", 0.6)
