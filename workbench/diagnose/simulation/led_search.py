@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from plants.effects.registry import effects
-from workbench.diagnose.residuals.fit import NEAR_NOISE
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.search import Found, search
 from workbench.diagnose.selection.selection import Effects, Step
@@ -67,17 +67,25 @@ def found_led(
         if led.fit.excess > NOISE and led.fit.rms < BETTER * base.fit.rms:
             searched += 1
             found = search(led.fit, {}, asked_of(led.how, motions, start, experiment.bounds))
-            for one in _freely(whole, fitting, found):
+            beside = carried(whole, fitting, led, found)
+            if beside is not None and _freely(whole, fitting, beside.simulated.fit).fit.excess > NEAR_NOISE:
+                return beside
+            for one in _each_freely(whole, fitting, found):
                 reached.append(one)
                 if one.simulated.fit.excess < NEAR_NOISE:
                     return one
-            if (beside := carried(whole, fitting, led, found)) is not None:
-                return beside
     best = min(reached, key=lambda one: one.simulated.fit.rms, default=None)
     return best if best is not None and best.simulated.fit.rms < BETTER * base.fit.rms else None
 
 
-def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLed]:
+def _freely(whole: Shooting, fitting: Fitting, led: Fit) -> Simulated:
+    """A fit beside a loop, fitted to free runs."""
+    own = replace(fitting, names=led.names)
+    free = fit_as_sensed(own.final(own.begun(whole, led.values)), own, led.values)
+    return fit_evolved(free, own, led) if led.excess < NEAR_NOISE else free
+
+
+def _each_freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLed]:
     """What a search found, fitted to free runs, as it was after each of its rounds: what comes late may make up for
     numbers that free runs tell better.
     """
@@ -86,13 +94,11 @@ def _freely(whole: Shooting, fitting: Fitting, found: Found) -> Iterator[FoundLe
         if frozenset(one.names) in tried:
             continue
         tried.add(frozenset(one.names))
-        own = replace(fitting, names=one.names)
         numbers = {
             name: tuple(number for number in effect.numbers if number in one.names) for name, effect in known.items()
         }
-        free = fit_as_sensed(own.final(own.begun(whole, one.values)), own, one.values)
         yield FoundLed(
-            fit_evolved(free, own, one) if one.excess < NEAR_NOISE else free,
+            _freely(whole, fitting, one),
             {name: those for name, those in numbers.items() if those and not set(those) <= set(fitting.names)},
             found.steps[: place + 1],
             found.gains,
