@@ -38,6 +38,34 @@ def no_progress() -> Iterator[None]:
         yield
 
 
+@contextmanager
+def idle_threads(more: int) -> Iterator[None]:
+    """So many `more` threads idle, or fewer, of a worker beside others."""
+    from workbench.fitting.threads import _team
+
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    team = _team(os.getpid())
+    team._changed(more)
+    yield
+    team._changed(-more)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def one_thread_a_worker() -> Iterator[None]:
+    """Workers have a processor each: threads would only wait for those of another."""
+    with idle_threads(-1):
+        yield
+
+
+@pytest.fixture(scope="module")
+def both_threads(one_thread_a_worker: None) -> Iterator[None]:
+    """What works in threads does so here."""
+    with idle_threads(+1):
+        yield
+
+
 @pytest.fixture(scope="module")
 def png_alone() -> Iterator[None]:
     """Figures as PNG alone, for tests that look at no other format."""
@@ -117,7 +145,7 @@ def diagnosed(experiment: Path) -> tuple[Any, Any]:
         return made[-1]
 
     whole = diagnose.diagnose
-    with pictures_as_png(), mock.patch.object(diagnose, "diagnose", kept):
+    with pictures_as_png(), idle_threads(+1), mock.patch.object(diagnose, "diagnose", kept):
         answer = workbench("diagnose", experiment, "--out", experiment.parent / "out")
     return answer, *made
 

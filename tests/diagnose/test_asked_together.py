@@ -17,6 +17,8 @@ from workbench.diagnose.simulation.together import Asked, Push, errors_of
 from workbench.fitting.threads import THREADS, side_by_side
 from workbench.simulation.simulate import LANES
 
+pytestmark = pytest.mark.usefixtures("both_threads")
+
 Made = tuple[Shooting, list[Motion], dict[str, float]]
 
 

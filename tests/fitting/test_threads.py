@@ -7,6 +7,8 @@ import pytest
 
 from workbench.fitting.threads import THREADS, free_threads, side_by_side
 
+pytestmark = pytest.mark.usefixtures("both_threads")
+
 
 def test_results_come_in_order() -> None:
     assert side_by_side(lambda one, other: one * other, range(9), range(9)) == [k * k for k in range(9)]
