@@ -173,6 +173,11 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
 
     def equilibrium(p: Any, surface_speed: float) -> tuple[Any, Any]:
         """At rest for long, with parameters as the effects make them there: of the pressures that hold a load, too."""
+        acting = tuple(effect for effect, own, idle in zip(effects, p.effects, own_class(), strict=True) if own != idle)
+        if len(acting) < len(effects):  # to go through dozens that do nothing takes most of the time
+            alone = _attached(plant, acting)
+            state, inputs = alone.equilibrium(_of_alone(alone, p), surface_speed)
+            return rested(gathered(plant.State, state[: len(plant.State._fields)]), inputs), inputs
         state, inputs = plant.equilibrium(p, surface_speed)
         before = p
         for _ in range(PASSES):
@@ -218,6 +223,14 @@ def _attached(plant: Plant, effects: tuple[Effect, ...]) -> Plant:
         bare=plant,
         balances={name: scaled(balance) for name, balance in plant.balances.items()},
     )
+
+
+def _of_alone(alone: Plant, p: Any) -> Any:
+    """Parameters of a plant with effects as those of the same plant with some of them."""
+    if not alone.effects:
+        return gathered(alone.Parameters, p[:-1])
+    own = {name: getattr(p.effects, name) for name in alone.effects}
+    return extended(alone.Parameters, p[:-1], alone.Parameters._field_defaults[OWN]._replace(**own))
 
 
 def _together(name: str, members: Mapping[str, type]) -> type:

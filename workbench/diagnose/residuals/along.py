@@ -156,7 +156,7 @@ class Along:
         known = np.column_stack([state_along(name, seen, values)[:until] for name in shown_here])
         inputs, contact = self.inputs(motion, values, hidden)[:until], self.contact & set(hidden)
         still = self.still(motion, values)[:until] & bool(contact)
-        simulated = self.columns(hidden)
+        simulated, groups, alone = _simulated(self.plant, frozenset(hidden))
         bends, rates = walk(
             plant_addresses(self.plant)[0],
             np.ascontiguousarray(motion.time[:until]),
@@ -166,10 +166,10 @@ class Along:
             np.ascontiguousarray(inputs),
             to_array(parameters),
             simulated,
-            self._groups(simulated),
+            groups,
             self.columns(self.by_input(motion, hidden)),
             self.columns(contact),
-            self.columns(self._alone(hidden)),
+            alone,
             np.array([self.names.index(name) for name in wanted], dtype=np.int64),
             self.names.index("velocity"),
             np.ascontiguousarray(still),
@@ -186,27 +186,9 @@ class Along:
         """What is typical of each state, shape (states,): of a contact how far the fastest motion bends it."""
         return _magnitudes(self, motion, tuple(values.items()))
 
-    def _alone(self, hidden: Collection[str]) -> frozenset[str]:
-        """Those of the hidden states in whose rates no other one counts."""
-        depends, own = dependences(self.plant).states, set(hidden)
-        return frozenset(name for name in own if depends[name] & own <= {name})
-
-    def _groups(self, simulated: np.ndarray) -> np.ndarray:
-        """For each of these states the number of a group in which no state counts in another's rate."""
-        counts = [{self.names.index(other) for other in dependences(self.plant).states[name]} for name in self.names]
-        groups = list[list[int]]()
-        for place in simulated.tolist():
-            free = (g for g in groups if not any(place in counts[other] or other in counts[place] for other in g))
-            group = next(free, None)
-            if group is None:
-                groups.append([place])
-            else:
-                group.append(place)
-        return np.array([next(i for i, g in enumerate(groups) if place in g) for place in simulated], dtype=np.int64)
-
     def columns(self, states: Collection[str]) -> np.ndarray:
         """Their places among the plant's states."""
-        return np.array([place for place, name in enumerate(self.names) if name in states], dtype=np.int64)
+        return _places(self.plant, states)
 
     def starting_states(self, motion: Motion, values: Values, places: Sequence[int]) -> list[Any]:
         """Whole states at some instants, from which a simulation can start: a contact carries what the balance of
@@ -327,6 +309,29 @@ def _having(bare: Plant, acting: frozenset[str]) -> Plant:
 def _going(plant: Plant, flow: str) -> Along:
     """A plant along records."""
     return Along(plant, flow)
+
+
+def _places(plant: Plant, states: Collection[str]) -> np.ndarray:
+    """See `Along.columns`."""
+    return np.array([place for place, item in enumerate(fields(plant.State)) if item.name in states], dtype=np.int64)
+
+
+@functools.cache
+def _simulated(plant: Plant, hidden: frozenset[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The places of these states, for each the number of a group in which no state counts in another's rate, and the
+    places of those in whose rates no other one counts.
+    """
+    depends, groups, group_of = dependences(plant).states, list[list[str]](), list[int]()
+    own = [item.name for item in fields(plant.State) if item.name in hidden]
+    for name in own:
+        free = (g for g in groups if not any(name in depends[other] or other in depends[name] for other in g))
+        group = next(free, None)
+        if group is None:
+            groups.append(group := [])
+        group.append(name)
+        group_of.append(next(place for place, one in enumerate(groups) if one is group))
+    alone = [name for name in own if depends[name] & hidden <= {name}]
+    return _places(plant, own), np.array(group_of, dtype=np.int64), _places(plant, alone)
 
 
 @functools.cache

@@ -6,10 +6,12 @@ to be followed by every method, a mass on the bristles of a contact that sticks 
 higher order, needs fewer steps.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from plants.equation import fields, to_array
-from workbench.diagnose.residuals.along import Along
+from workbench.diagnose.residuals.along import REMEMBERED, Along
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.walk import NUDGE
@@ -32,6 +34,13 @@ def method_for(along: Along, motion: Motion, values: Values, tolerance: float) -
     at rest, by the eigenvalues of its Jacobian there. What relaxes far slower is followed, since a command that holds
     from sample to sample excites it in each. What does nothing of its effects does not count.
     """
+    return _method_for(along, motion, tuple(values.items()), tolerance)
+
+
+@lru_cache(REMEMBERED)
+def _method_for(along: Along, motion: Motion, known: tuple[tuple[str, float], ...], tolerance: float) -> str:
+    """See `method_for`: the same for simulations that differ in where they start alone."""
+    values = dict(known)
     linear, step = _Linearised(along, motion, values), motion.record.sample_time
     sliding = linear.eigenvalues(linear.sliding())
     relaxing = np.abs(sliding[~_swings(sliding)]) * step
