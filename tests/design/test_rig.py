@@ -6,7 +6,7 @@ from drawn_machines import pneumatic
 
 from plants.registry import plants
 from workbench.design.pieces import Condition, Reach
-from workbench.design.rig import Limits, Rig
+from workbench.design.rig import Limits, Replay, Rig
 from workbench.diagnose.residuals.balances import diagnosed_plant
 from workbench.diagnose.residuals.weighing import Whitening
 
@@ -29,9 +29,10 @@ def test_a_rival_begins_where_the_true_plant_does() -> None:
         conditions=[Condition()],
     )
     leaks = rig.driven(values, 4.0 * np.sin(np.linspace(0.0, 6.0, 600)), Condition())
-    tight = rig.replayed({**values, "leakage_conductance": 0.0}, leaks, Condition())
+    without = {**values, "leakage_conductance": 0.0}
+    asked = [Replay(without, leaks, Condition()), Replay(values, leaks, Condition(), rig.moves()[0])]
+    tight, moved = rig.replayed(asked)
     assert tight.state("position") == pytest.approx(leaks.state("position"), abs=1e-9)
     assert np.ptp(leaks.state("position")) > 1e-4
     assert tight.state("pressure_1") == pytest.approx(leaks.state("pressure_1"), abs=1.0)
-    moved = rig.replayed(values, leaks, Condition(), rig.moves()[0])
     assert moved.state("position")[0] == pytest.approx(leaks.state("position")[0] + rig.moves()[0][0])

@@ -19,8 +19,7 @@ import numpy as np
 
 from workbench.design.hypotheses import Hypothesis, truths_of
 from workbench.design.pieces import Condition, Piece, sampled
-from workbench.design.rig import Rig
-from workbench.diagnose.residuals.unknowns import Values
+from workbench.design.rig import Replay, Rig
 from workbench.fitting.least_squares import bounded_minimum
 from workbench.fitting.threads import side_by_side
 from workbench.simulation.run import Run
@@ -107,13 +106,13 @@ def replays(
     each, 0 where that diverges, and behind them with `starts` what the states do in which it begins; and the steps.
     """
     changes = [of.moved(step * one) for one, step in zip(np.eye(len(of.unknowns)), of.steps, strict=True)]
-    asked: list[tuple[Values, np.ndarray | None]] = [(of.values, None), *((values, None) for values in changes)]
+    asked = [Replay(values, run, condition) for values in (of.values, *changes)]
     sizes = of.steps.tolist()
     if starts:
         moves = rig.moves()
-        asked += [(of.values, np.zeros_like(moves[0])), *((of.values, move) for move in moves)]
+        asked += [Replay(of.values, run, condition, move) for move in (np.zeros_like(moves[0]), *moves)]
         sizes += [1.0] * len(moves)
-    replayed = side_by_side(lambda one: rig.replayed(one[0], run, condition, one[1]), asked)
+    replayed = rig.replayed(asked)
     steps = sum(one.steps for one in replayed)
     base, *others = (rig.seen(one) for one in replayed)
     if base is None:

@@ -1,7 +1,8 @@
 """The refit of a hypothesis to a record that another plant has made: its unknowns, and where it starts."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -9,9 +10,9 @@ from plants.equation import NEGATIVE
 from workbench.design.contrast import replays
 from workbench.design.hypotheses import Hypothesis
 from workbench.design.pieces import Condition
-from workbench.design.rig import Rig
+from workbench.design.rig import Replay, Rig
 from workbench.fitting.covariance import inverse
-from workbench.fitting.least_squares import Search, least_squares
+from workbench.fitting.least_squares import Residuals, Search, least_squares
 from workbench.parameters.sets import NEUTRAL
 from workbench.simulation.run import Run
 
@@ -128,20 +129,23 @@ def refitted(
         freed = left - begins @ (begins.T @ left)
         return float(freed @ freed + moved @ of.precision @ moved), whole @ slope
 
-    def left_at(moved: np.ndarray) -> np.ndarray | None:
-        played = [rig.replayed(of.moved(moved), run, leg.condition) for leg, run in zip(legs, runs, strict=True)]
+    def lefts_at(places: Sequence[np.ndarray]) -> list[np.ndarray | None]:
+        ways = [(run, leg.condition) for leg, run in zip(legs, runs, strict=True)]
+        played = rig.replayed([Replay(of.moved(moved), *way) for moved in places for way in ways])
         steps.extend(each.steps for each in played)
-        seen = [rig.seen(each) for each in played]
-        whole = [each for each in seen if each is not None]
-        return record - np.concatenate(whole) if len(whole) == len(seen) else None
+        seen, lefts = [rig.seen(each) for each in played], list[np.ndarray | None]()
+        for at in range(0, len(seen), len(ways)):
+            whole = [each for each in seen[at : at + len(ways)] if each is not None]
+            lefts.append(record - np.concatenate(whole) if len(whole) == len(ways) else None)
+        return lefts
 
     moved = np.clip(start, *of.room)
-    begun = left_at(moved)
+    (begun,) = lefts_at([moved])
     left = record - shown.seen if begun is None else begun
     least, step = worth(moved, left)
     for share in STEPS:
         reached = np.clip(moved + share * step[:count], *of.room)
-        other = left_at(reached)
+        (other,) = lefts_at([reached])
         if other is None:
             continue
         squares, further = worth(reached, other)
@@ -155,25 +159,29 @@ def refitted(
     sizes, ways = np.linalg.eigh(of.precision)
     known = (ways * np.sqrt(np.maximum(sizes, 0.0))).T
 
-    def residual(rows: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    def residuals(rows: np.ndarray) -> Residuals:
         """Of the unknowns: what is left in some rows that no start makes up for, and what moving the unknowns costs."""
         begins = np.linalg.qr(shown.starts[rows])[0]
 
-        def left_in(at: np.ndarray) -> np.ndarray:
-            left = left_at(at)
+        def left_in(at: np.ndarray, left: np.ndarray | None) -> np.ndarray:
             part = np.full(int(np.sum(rows)), LOST) if left is None else left[rows]
             return np.concatenate([part - begins @ (begins.T @ part), known @ at])
 
-        return left_in
+        return lambda places: list(map(left_in, places, lefts_at(places)))
 
     at = np.clip(start, *of.room)
     for share in GROWING:
-        solution = least_squares(residual(_early(rig, legs, share)), at, *of.room, REFIT)
+        together = residuals(_early(rig, legs, share))
+        solution = least_squares(partial(_one, together), at, *of.room, REFIT, together=together)
         at = solution.x
-    squares, there = float(solution.residual @ solution.residual), left_at(at)
+    squares, (there,) = float(solution.residual @ solution.residual), lefts_at([at])
     if there is not None and squares < least:
         return Refit(squares, at, there, sum(steps))
     return Refit(least, moved, left, sum(steps))
+
+
+def _one(residuals: Residuals, place: np.ndarray) -> np.ndarray:
+    return residuals([place])[0]
 
 
 def can_search(runs: Sequence[Run]) -> bool:

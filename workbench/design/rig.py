@@ -15,9 +15,10 @@ from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
 from workbench.fitting.replay import Sampled
+from workbench.fitting.threads import side_by_side
 from workbench.simulation.references import Recorded
 from workbench.simulation.setup import NO_LOOP, Feed, Integrator, Loop
-from workbench.simulation.simulate import Run, Setup, simulate
+from workbench.simulation.simulate import LANES, Run, Setup, simulate, simulate_together
 
 TOLERANCE = 1e-8
 """Of the solver: what it is off by is to be lost in the sensors' noise, and in difference quotients."""
@@ -37,6 +38,17 @@ class Limits(NamedTuple):
     least_pressure: float = -np.inf
     most_pressure: float = np.inf
     command: float = np.inf
+
+
+class Replay(NamedTuple):
+    """Values of a plant, the run under whose command it is simulated, in which condition, and by how much the states
+    are `moved` in which it starts.
+    """
+
+    values: Values
+    run: Run
+    condition: Condition
+    moved: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -111,16 +123,21 @@ class Rig:
         loop = replace(setup, loop=Loop(steering.controller, gains), reference=Recorded(times, reference))
         return simulate(loop)
 
-    def replayed(self, values: Values, run: Run, condition: Condition, moved: np.ndarray | None = None) -> Run:
-        """What the plant does under the command of a run, from where that starts: with closed valves many pressures are
-        at rest, and which of them a rig has is no question of its parameters.
+    def replayed(self, asked: Sequence[Replay]) -> list[Run]:
+        """What plants do under the commands of runs, from where those start, several at once: with closed valves many
+        pressures are at rest, and which of them a rig has is no question of its parameters.
         """
-        setup = self.setup(values, condition, run.time.size, whole=moved is not None)
+        setups = [self._replaying(each) for each in asked]
+        parts = [setups[at : at + LANES] for at in range(0, len(setups), LANES)]
+        return [run for part in side_by_side(simulate_together, parts) for run in part]
+
+    def _replaying(self, asked: Replay) -> Setup:
+        run, moved = asked.run, asked.moved
+        setup = self.setup(asked.values, asked.condition, run.time.size, whole=moved is not None)
         state = replaced(setup.state, named(from_array(run.plant.State, run.states[0].tolist())))
         if moved is not None:
             state = from_array(type(state), (to_array(state) + moved).tolist())
-        feeds = (self._command(run.command, values),)
-        return simulate(replace(setup, state=state, loop=NO_LOOP, feeds=feeds))
+        return replace(setup, state=state, loop=NO_LOOP, feeds=(self._command(run.command, asked.values),))
 
     def _command(self, command: np.ndarray, values: Values) -> Feed:
         times = self.sample_time * np.arange(command.size)
