@@ -13,14 +13,16 @@ from scipy.interpolate import PchipInterpolator
 from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import SENSORS, Measurement, Plant
 from workbench.errors import UserError
+from workbench.fitting.threads import parts_of, side_by_side
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
 from workbench.records.sampling.sight import SLOW, window_points
 from workbench.simulation.references import Moving, Signal
+from workbench.simulation.run import Run
 from workbench.simulation.sensors import Channel, Sensors
 from workbench.simulation.setup import Feed, Integrator, Numbers, Setup
-from workbench.simulation.simulate import largest_distance, simulate
+from workbench.simulation.simulate import LANES, largest_distance, simulate, simulate_together
 
 FIT_RATE = 100.0
 """Hz. Records are compared as means over 1 / FIT_RATE; their noise is in the means' scatter."""
@@ -94,18 +96,38 @@ class Observed:
         Raises:
             UserError: impossible parameters.
         """
+        return self.predicted_each(experiment, [changes])[0]
+
+    def predicted_each(
+        self, experiment: Experiment, several: Sequence[Mapping[str, float]]
+    ) -> list[dict[str, np.ndarray] | None]:
+        """The same of several changes, some at once.
+
+        Raises:
+            UserError: impossible parameters.
+        """
+        setups = [self._changed(experiment, changes) for changes in several]
+        runs, left = dict[int, Run](), list(range(len(setups)))
+        for integrator in self.integrators:
+            runs |= zip(left, simulated([replace(setups[k], integrator=integrator) for k in left]), strict=True)
+            left = [k for k in left if runs[k].diverged]
+            if not left:
+                break
+        return [None if k in left else self._shown(runs[k]) for k in range(len(setups))]
+
+    def _changed(self, experiment: Experiment, changes: Mapping[str, float]) -> Setup:
         parameters = experiment.parameters(changes)
         state, inputs = _start(experiment, self.record, parameters)
-        for integrator in self.integrators:
-            setup = replace(self.setup, parameters=parameters, state=state, inputs=inputs, integrator=integrator)
-            run = simulate(setup)
-            if not run.diverged:
-                break
-        if run.diverged:
-            return None
-        places = Measurement._fields
-        shown = run.measurements[:: self.every]
+        return replace(self.setup, parameters=parameters, state=state, inputs=inputs)
+
+    def _shown(self, run: Run) -> dict[str, np.ndarray]:
+        shown, places = run.measurements[:: self.every], Measurement._fields
         return {name: averaged(shown[:, places.index(name)], self.count) for name in self.measured}
+
+
+def simulated(setups: Sequence[Setup]) -> list[Run]:
+    """The runs of setups, several at once on every thread (`simulate_together`)."""
+    return [run for runs in side_by_side(simulate_together, list(parts_of(setups, LANES))) for run in runs]
 
 
 def observe(record: Record, experiment: Experiment, *, held: bool = False) -> Observed:

@@ -6,7 +6,7 @@ the other part of that is done.
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from os import getpid
@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 THREADS = 2
 
+Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
@@ -44,6 +45,19 @@ def side_by_side(function: Callable[..., Result], *items: Iterable[Any]) -> list
 def free_threads() -> int:
     """How many threads what is asked for here may go to now."""
     return 1 + max(_team(getpid()).idle, 0)
+
+
+def parts_of(items: Sequence[Item], most: int) -> Iterator[Sequence[Item]]:
+    """Parts of items that are done at once, `most` at most: whole ones for every free thread, and about as many of what
+    is left; one or two go alone, since those that are solved at once take as long whether there are two or four.
+    """
+    threads = free_threads()
+    whole = len(items) // (threads * most) * threads
+    left = len(items) - whole * most
+    parts, at = min(threads, left), 0
+    for size in [most] * whole + [left // parts + (i < left % parts) for i in range(parts)]:
+        yield items[at : at + size]
+        at += size
 
 
 class _Team:

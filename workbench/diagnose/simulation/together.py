@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from plants.equation import from_array
 from plants.interface import Plant
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
-from workbench.fitting.threads import free_threads, side_by_side
+from workbench.fitting.threads import parts_of, side_by_side
 from workbench.records.reading import Record
 from workbench.simulation.run import Run
 from workbench.simulation.simulate import LANES, simulate, simulate_together
@@ -199,22 +199,9 @@ def _chunks(wanted: Sequence[Asked]) -> Iterator[_Chunk]:
                 rest += [(one, acting) for one in own]
                 continue
             most = 1 if len(own[0].how.starts(own[0].motion)) >= LANES else LANES
-            yield from (_Chunk(part, acting, alone=True) for part in _parts(own, most))
+            yield from (_Chunk(part, acting, alone=True) for part in parts_of(own, most))
         if rest and LANES * _spent.expected(rest[0][0]) > WORTH:
-            for part in _parts(rest, LANES):
+            for part in parts_of(rest, LANES):
                 yield _Chunk([one for one, _ in part], frozenset[str]().union(*(own for _, own in part)), alone=True)
         else:
             yield from (_Chunk([one], acting, alone=False) for one, acting in rest)
-
-
-def _parts(items: Sequence[Any], most: int) -> Iterator[Sequence[Any]]:
-    """Parts of so many, `most` at most: whole ones for every free thread, and about as many of what is left; one or two
-    go alone, since those that are solved at once take as long whether there are two or four.
-    """
-    threads = free_threads()
-    whole = len(items) // (threads * most) * threads
-    left = len(items) - whole * most
-    parts, at = min(threads, left), 0
-    for size in [most] * whole + [left // parts + (i < left % parts) for i in range(parts)]:
-        yield items[at : at + size]
-        at += size

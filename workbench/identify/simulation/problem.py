@@ -160,21 +160,24 @@ class Problem:
                 first += values.size
         return series
 
-    def _outputs(self, item: Observed, changes: dict[str, float]) -> list[np.ndarray]:
-        """Predictions of a record; the same numbers where all that matters to it is the same."""
+    def _outputs(self, item: Observed, several: Sequence[dict[str, float]]) -> list[list[np.ndarray]]:
+        """Predictions of a record for each of several changes; the same numbers where all that matters to it is the
+        same.
+        """
         idle = self.idle.get(item.key, frozenset())
-        key = (item.key, tuple(each for each in changes.items() if each[0] not in idle))
-        if key not in self.known:
+        keys = [(item.key, tuple(each for each in changes.items() if each[0] not in idle)) for changes in several]
+        missing = {key: changes for key, changes in zip(keys, several, strict=True) if key not in self.known}
+        found = {key: self.known[key] for key in keys if key in self.known}
+        predicted = item.predicted_each(self.experiment, list(missing.values()))
+        for key, one in zip(missing, predicted, strict=True):
             if len(self.known) > max(KEPT, 20 * len(self.observed)):
                 self.known.clear()
-            predicted = item.predicted(self.experiment, changes)
             self.evaluations += 1
             self.progress(f"fit of {len(self.free)} parameters: {self.evaluations} simulations")
-            self.known[key] = [
-                np.full(values.size, np.nan) if predicted is None else predicted[name]
-                for name, values in item.measured.items()
+            found[key] = self.known[key] = [
+                np.full(values.size, np.nan) if one is None else one[name] for name, values in item.measured.items()
             ]
-        return self.known[key]
+        return [found[key] for key in keys]
 
     def changes(self, theta: np.ndarray) -> dict[str, float]:
         """Every parameter (SI) that is not as declared."""
@@ -183,23 +186,29 @@ class Problem:
 
     def simulated(self, theta: np.ndarray, others: Mapping[str, float] = NONE) -> np.ndarray:
         """Stacked predictions (SI), also with `others` of the parameters changed; NaN where the plant diverges."""
-        changes = {**self.changes(theta), **others}
-        return np.concatenate([part for item in self.observed for part in self._outputs(item, changes)])
+        return self._simulated_each([{**self.changes(theta), **others}])[0]
+
+    def _simulated_each(self, several: Sequence[dict[str, float]]) -> list[np.ndarray]:
+        outputs = [self._outputs(item, several) for item in self.observed]
+        return [np.concatenate([part for parts in each for part in parts]) for each in zip(*outputs, strict=True)]
 
     def errors(self, theta: np.ndarray, others: Mapping[str, float] = NONE) -> np.ndarray:
         """Weighted measured - simulated, 0 over gaps; `DIVERGED` where the plant diverges."""
-        difference = (self.measured - self.simulated(theta, others)) * self.weights
+        return self._errors_of(self.simulated(theta, others))
+
+    def _errors_of(self, simulated: np.ndarray) -> np.ndarray:
+        difference = (self.measured - simulated) * self.weights
         difference[~np.isfinite(self.measured)] = 0.0
         return np.nan_to_num(difference, nan=DIVERGED)
 
     def jacobian(self, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
         """d errors / d theta, shape (samples, free): central differences, or rough, one-sided ones."""
-        base, lowest = self.errors(theta), self.limits()[0]
-        slopes = []
-        for direction, back in zip(np.eye(theta.size), np.minimum(STEP, theta - lowest).tolist(), strict=True):
-            ahead = self.errors(theta + STEP * direction)
-            behind = base if rough else self.errors(theta - back * direction)
-            slopes.append((ahead - behind) / (STEP if rough else STEP + back))
+        ways, backs = np.eye(theta.size), np.minimum(STEP, theta - self.limits()[0])
+        moved = [*(theta + STEP * ways), *([] if rough else theta - backs[:, None] * ways)]
+        base, *found = map(self._errors_of, self._simulated_each([self.changes(at) for at in (theta, *moved)]))
+        ahead, behind = found[: theta.size], [base] * theta.size if rough else found[theta.size :]
+        steps = np.full(theta.size, STEP) if rough else STEP + backs
+        slopes = [(one - other) / step for one, other, step in zip(ahead, behind, steps.tolist(), strict=True)]
         jacobian = np.column_stack(slopes) if slopes else np.zeros((base.size, 0))
         if not self.idle and self.experiment.plant.friction:
             for item in self.observed:
