@@ -14,6 +14,7 @@ from workbench.design import design, power, search
 from workbench.design.asked import asked_of
 from workbench.design.declared import _asked_sizes, hypotheses_of
 from workbench.design.design import SPARE
+from workbench.design.hypotheses import Hypothesis
 from workbench.records.experiment import read_experiment
 
 EXPERIMENT = """\
@@ -71,11 +72,38 @@ def test_a_size_by_a_plain_name_is_that_of_both_directions() -> None:
     assert _asked_sizes(both, known) == both
 
 
-def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path, dots_alone: None) -> None:
-    """The power is told for all of them, and the page says which; a pitch that is said is the only one."""
-    write_declared(tmp_path / "drive.toml", plants()["drive_force"], VALUES)
-    text = EXPERIMENT.replace('"quadratic_drag"', '"cogging"').replace('drag_coefficient = "0.05 N s^2/m^2"', SIZES)
-    path = write(tmp_path, text.replace('sample_time = "4 ms"', 'sample_time = "10 ms"'), "experiment.toml")
+def with_cogging(folder: Path, sizes: str = SIZES) -> Path:
+    """The drive's experiment with cogging of some sizes in the place of a drag."""
+    write_declared(folder / "drive.toml", plants()["drive_force"], VALUES)
+    text = EXPERIMENT.replace('"quadratic_drag"', '"cogging"').replace('drag_coefficient = "0.05 N s^2/m^2"', sizes)
+    return write(folder, text.replace('sample_time = "4 ms"', 'sample_time = "10 ms"'), "experiment.toml")
+
+
+REACH = 2.0 * 30e-3 * SPARE
+"""m: as far as the drive goes."""
+
+
+def cogging_of(path: Path) -> Hypothesis:
+    """The hypothesis of an experiment."""
+    experiment = read_experiment(path)
+    asked, channels = asked_of(experiment, (), (), None), ("time", "force", "position")
+    return hypotheses_of(experiment, asked, channels, (REACH, 0.1, 4e-3))[1]
+
+
+def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path) -> None:
+    """One that is said is the only one."""
+    several = cogging_of(with_cogging(tmp_path))
+    pitches = [each.values["cogging_pitch"] for each in (several, *several.others)]
+    assert pitches == pytest.approx([REACH * PITCHES[2], REACH * PITCHES[0], REACH * PITCHES[-1]])
+    alone = cogging_of(with_cogging(tmp_path, f'{SIZES}, cogging_pitch = "10 mm"'))
+    assert alone.values["cogging_pitch"] == pytest.approx(0.01)
+    assert alone.others == ()
+
+
+@pytest.mark.thorough
+def test_the_power_is_told_for_each_pitch(tmp_path: Path, dots_alone: None) -> None:
+    """And the page says which."""
+    path = with_cogging(tmp_path)
     with (
         mock.patch.object(search, "TRIALS", (4, 4)),
         mock.patch.object(design, "COMPARED", 0),
@@ -83,17 +111,9 @@ def test_a_pitch_that_nobody_knows_is_counted_in_three_sizes(tmp_path: Path, dot
     ):
         assert workbench("design", path, "--out", tmp_path / "out").code == 0
     none, cogging = json.loads((tmp_path / "out" / "design.json").read_text(encoding="utf-8"))["hypotheses"]
-    reach = 2.0 * 30e-3 * SPARE
     assert [shape["cogging_pitch"] for shape in cogging["shapes"]] == pytest.approx(
-        [reach * PITCHES[2], reach * PITCHES[0], reach * PITCHES[-1]]
+        [REACH * PITCHES[2], REACH * PITCHES[0], REACH * PITCHES[-1]]
     )
     assert none["shapes"] == []
     page = (tmp_path / "out" / "design.html").read_text(encoding="utf-8")
     assert "mean over them: cogging pitch 5.70 mm, cogging pitch 0.570 mm or cogging pitch 57.0 mm." in page
-
-    said = write(tmp_path, text.replace(SIZES, f'{SIZES}, cogging_pitch = "10 mm"'), "said.toml")
-    experiment = read_experiment(said)
-    moved = (reach, 0.1, 4e-3)
-    _, alone = hypotheses_of(experiment, asked_of(experiment, (), (), None), ("time", "force", "position"), moved)
-    assert alone.values["cogging_pitch"] == pytest.approx(0.01)
-    assert alone.others == ()
