@@ -65,6 +65,23 @@ def test_the_simulation_begins_as_the_record_does(folder: Path) -> None:
     assert np.ptp(shown["position"][rest]) < 1e-6, "it rests"
 
 
+def test_several_parameters_together_show_the_same_bits(folder: Path) -> None:
+    """Whether the first integrator or a later one serves them, or none does."""
+    experiment = read_experiment(folder / "experiment.toml")
+    seen = observe(read_records(experiment)[0], experiment)
+    stiff, soft = {"bristle_stiffness": 2e9}, {"bristle_stiffness": 1e7}
+    several: list[dict[str, float]] = [{}, {"coulomb": 300.0}, stiff, soft, {"viscous": 900.0}, {"bulk_modulus": 5e8}]
+    fixed = replace(seen, integrators=seen.integrators[:1])
+    for one in (seen, fixed):
+        alone = [one.predicted(experiment, changes) for changes in several]
+        for found, other in zip(one.predicted_each(experiment, several), alone, strict=True):
+            assert (found is None) == (other is None)
+            for name in found or {}:
+                np.testing.assert_array_equal(found[name], other[name])
+    assert fixed.predicted(experiment, stiff) is None, "fixed steps are too long for it"
+    assert seen.predicted(experiment, stiff) is not None
+
+
 def test_friction_is_found_from_a_held_rest(folder: Path) -> None:
     assert identify(folder, EXPERIMENT, "simulation").code == 0
     found = json.loads((folder / "out/identified.json").read_text(encoding="utf-8"))
