@@ -48,8 +48,10 @@ def idle_threads(more: int) -> Iterator[None]:
         return
     team = _team(os.getpid())
     team._changed(more)
-    yield
-    team._changed(-more)
+    try:
+        yield
+    finally:
+        team._changed(-more)
 
 
 @pytest.fixture(autouse=True, scope="session")

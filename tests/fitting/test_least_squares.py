@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares as by_scipy
 
 import workbench.fitting.least_squares as least_squares_module
-from workbench.fitting.least_squares import Search, Solution, bounded_minimum, differences, least_squares
+from workbench.fitting.least_squares import Search, Solution, bounded_minimum, differences, least_squares, one_by_one
 
 EXACT = Search(flat=1e-14, step=1e-6)
 TIMES = np.linspace(0.0, 4.0, 60)
@@ -41,7 +41,7 @@ def counted(residual: Residual) -> tuple[Residual, list[int]]:
 
 def solved(residual: Residual, start: list[float], low: float = -np.inf, search: Search = EXACT) -> Solution:
     size = len(start)
-    return least_squares(residual, np.array(start), np.full(size, low), np.full(size, np.inf), search)
+    return least_squares(one_by_one(residual), np.array(start), np.full(size, low), np.full(size, np.inf), search)
 
 
 def test_a_valley_is_followed_to_its_end() -> None:
@@ -113,20 +113,20 @@ def test_a_start_is_asked_for_beside_its_first_difference_quotients() -> None:
         return list(map(decay, places))
 
     start, wide = np.array([2.0, 1.0, 0.0]), np.full(3, np.inf)
-    found = least_squares(decay, start, -wide, wide, EXACT, together=together)
+    found = least_squares(together, start, -wide, wide, EXACT)
     assert asked[0] == 1 + start.size
-    np.testing.assert_array_equal(found.x, least_squares(decay, start, -wide, wide, EXACT).x)
+    np.testing.assert_array_equal(found.x, least_squares(one_by_one(decay), start, -wide, wide, EXACT).x)
 
 
 def test_an_unknown_at_a_bound_is_not_free_and_the_others_are_best_beside_it() -> None:
     high = np.array([0.5, np.inf])
-    solution = least_squares(rosenbrock, np.array([-1.2, 1.0]), -FREE, high, EXACT)
+    solution = least_squares(one_by_one(rosenbrock), np.array([-1.2, 1.0]), -FREE, high, EXACT)
     assert solution.x == pytest.approx([0.5, 0.25], abs=1e-6)
     assert solution.free.tolist() == [False, True]
 
 
 def test_an_unknown_that_starts_at_a_bound_leaves_it_where_that_is_better() -> None:
-    solution = least_squares(rosenbrock, np.array([0.0, 0.0]), np.zeros(2), np.full(2, 2.0), EXACT)
+    solution = least_squares(one_by_one(rosenbrock), np.array([0.0, 0.0]), np.zeros(2), np.full(2, 2.0), EXACT)
     assert solution.x == pytest.approx([1.0, 1.0], abs=1e-6)
     assert np.all(solution.free)
 
@@ -140,7 +140,7 @@ def test_within_bounds_a_line_is_fitted_as_by_another_solver(seed: int) -> None:
     def residual(x: np.ndarray) -> np.ndarray:
         return columns @ x - target
 
-    solution = least_squares(residual, np.zeros(4), low, high, EXACT)
+    solution = least_squares(one_by_one(residual), np.zeros(4), low, high, EXACT)
     other = by_scipy(residual, np.zeros(4), bounds=(low, high), xtol=1e-14, ftol=1e-14, gtol=1e-14)
     assert solution.residual @ solution.residual == pytest.approx(2.0 * other.cost, rel=1e-6)
     assert np.all((low <= solution.x) & (solution.x <= high))
@@ -156,7 +156,7 @@ def test_units_do_not_decide() -> None:
     units = np.array([1e-6, 1e-3, 1.0])
     start = np.array([1.0, 3.0, 0.0])
     low, high = np.full(3, -np.inf), np.full(3, np.inf)
-    other = least_squares(lambda x: decay(units * x), start / units, low, high, EXACT)
+    other = least_squares(one_by_one(lambda x: decay(units * x)), start / units, low, high, EXACT)
     assert units * other.x == pytest.approx(solved(decay, [1.0, 3.0, 0.0]).x, rel=1e-5)
 
 
@@ -224,7 +224,7 @@ def test_an_unknown_that_is_known_to_a_millionth_is_found_as_well_as_it_is_known
         off = (x[0] - 0.3) / 1e-6
         return np.asarray(noise + slope * off + 3.0 * np.abs(slope) * max(off - 0.5, 0.0))
 
-    found = least_squares(bent, np.array([0.2999]), -FREE[:1], FREE[:1], Search(flat=1e-9, step=1e-4))
+    found = least_squares(one_by_one(bent), np.array([0.2999]), -FREE[:1], FREE[:1], Search(flat=1e-9, step=1e-4))
     line = float(-(noise @ slope) / (slope @ slope))
     assert abs(line) < 0.5, "the least is where nothing bends"
     assert (found.x[0] - 0.3) / 1e-6 == pytest.approx(line, abs=1e-3)
@@ -256,7 +256,7 @@ def test_a_difference_quotient_goes_so_far_that_it_is_felt_where_it_may() -> Non
     start, bound = np.zeros(1), np.full(1, np.inf)
     off = []
     for longest in (0.0, 100.0):
-        found = least_squares(erring, start, -bound, bound, Search(most_steps=1), longest)
+        found = least_squares(one_by_one(erring), start, -bound, bound, Search(most_steps=1), longest)
         off.append(float(np.linalg.norm(found.jacobian[:, 0] - slope) / np.linalg.norm(slope)))
     assert off[0] > 1.0
     assert off[1] < 0.01

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -171,17 +170,12 @@ def refitted(
 
     at = np.clip(start, *of.room)
     for share in GROWING:
-        together = residuals(_early(rig, legs, share))
-        solution = least_squares(partial(_one, together), at, *of.room, REFIT, together=together)
+        solution = least_squares(residuals(_early(rig, legs, share)), at, *of.room, REFIT)
         at = solution.x
     squares, (there,) = float(solution.residual @ solution.residual), lefts_at([at])
     if there is not None and squares < least:
         return Refit(squares, at, there, sum(steps))
     return Refit(least, moved, left, sum(steps))
-
-
-def _one(residuals: Residuals, place: np.ndarray) -> np.ndarray:
-    return residuals([place])[0]
 
 
 def can_search(runs: Sequence[Run]) -> bool:

@@ -14,10 +14,11 @@ from workbench.design.pieces import Condition, Reach
 from workbench.diagnose.residuals.along import Along
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.residuals.weighing import Whitening
-from workbench.fitting.replay import Sampled, simulated
+from workbench.fitting.replay import Sampled
+from workbench.fitting.threads import in_parts
 from workbench.simulation.references import Recorded
 from workbench.simulation.setup import NO_LOOP, Feed, Integrator, Loop
-from workbench.simulation.simulate import Run, Setup, simulate
+from workbench.simulation.simulate import LANES, Run, Setup, simulate, simulate_together
 
 TOLERANCE = 1e-8
 """Of the solver: what it is off by is to be lost in the sensors' noise, and in difference quotients."""
@@ -126,7 +127,7 @@ class Rig:
         """What plants do under the commands of runs, from where those start, several at once: with closed valves many
         pressures are at rest, and which of them a rig has is no question of its parameters.
         """
-        return simulated([self._replaying(each) for each in asked])
+        return in_parts(simulate_together, [self._replaying(each) for each in asked], LANES)
 
     def _replaying(self, asked: Replay) -> Setup:
         run, moved = asked.run, asked.moved

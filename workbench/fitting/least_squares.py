@@ -123,25 +123,22 @@ def _quotients(base: np.ndarray, moved: Sequence[np.ndarray], steps: np.ndarray)
 
 
 def least_squares(
-    residual: Residual,
+    residuals: Residuals,
     start: np.ndarray,
     low: np.ndarray,
     high: np.ndarray,
     search: Search,
     longest: np.ndarray | float = 0.0,
-    together: Residuals | None = None,
 ) -> Solution:
     """The unknowns between `low` and `high` at which the sum of squares of a residual is least.
 
     Args:
-        residual: of the unknowns, shape (rows,), in standard deviations of its noise; finite.
+        residuals: of the unknowns at several places, each of shape (rows,), in standard deviations of noise; finite.
         start: shape (unknowns,), within the bounds.
         low, high: shape (unknowns,), infinite where there is none.
         search: when it ends.
         longest: steps up to which difference quotients may go where the search's own are too short to be felt.
-        together: the residual at several places, of one that costs less so.
     """
-    residuals = together or one_by_one(residual)
     x = np.asarray(start, dtype=float)
     if not x.size:
         (base,) = residuals([x])

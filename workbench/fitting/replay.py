@@ -5,6 +5,7 @@ A fit asks for the same records many times; those of the same `key` share one si
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from scipy.interpolate import PchipInterpolator
 from plants.equation import fields, from_array, replaced, to_array
 from plants.interface import SENSORS, Measurement, Plant
 from workbench.errors import UserError
-from workbench.fitting.threads import parts_of, side_by_side
+from workbench.fitting.threads import in_parts
 from workbench.records.experiment import Experiment
 from workbench.records.friction import averaged
 from workbench.records.reading import Record
@@ -106,10 +107,16 @@ class Observed:
         Raises:
             UserError: impossible parameters.
         """
+        return in_parts(partial(self._together, experiment), several, LANES)
+
+    def _together(
+        self, experiment: Experiment, several: Sequence[Mapping[str, float]]
+    ) -> list[dict[str, np.ndarray] | None]:
+        """The same of as many as are solved at once: their runs take much memory."""
         setups = [self._changed(experiment, changes) for changes in several]
         runs, left = dict[int, Run](), list(range(len(setups)))
         for integrator in self.integrators:
-            runs |= zip(left, simulated([replace(setups[k], integrator=integrator) for k in left]), strict=True)
+            runs |= zip(left, simulate_together([replace(setups[k], integrator=integrator) for k in left]), strict=True)
             left = [k for k in left if runs[k].diverged]
             if not left:
                 break
@@ -123,11 +130,6 @@ class Observed:
     def _shown(self, run: Run) -> dict[str, np.ndarray]:
         shown, places = run.measurements[:: self.every], Measurement._fields
         return {name: averaged(shown[:, places.index(name)], self.count) for name in self.measured}
-
-
-def simulated(setups: Sequence[Setup]) -> list[Run]:
-    """The runs of setups, several at once on every thread (`simulate_together`)."""
-    return [run for runs in side_by_side(simulate_together, list(parts_of(setups, LANES))) for run in runs]
 
 
 def observe(record: Record, experiment: Experiment, *, held: bool = False) -> Observed:

@@ -60,6 +60,11 @@ def parts_of(items: Sequence[Item], most: int) -> Iterator[Sequence[Item]]:
         at += size
 
 
+def in_parts(function: Callable[[Sequence[Item]], Sequence[Result]], items: Sequence[Item], most: int) -> list[Result]:
+    """What a function makes of parts of items (`parts_of`) side by side, in the order of the items."""
+    return [one for part in side_by_side(function, list(parts_of(items, most))) for one in part]
+
+
 class _Team:
     """Threads of which so many work at a time as are to, those that ask among them."""
 

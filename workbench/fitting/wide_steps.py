@@ -8,7 +8,7 @@ the best is taken, wherever that leads.
 
 import numpy as np
 
-from workbench.fitting.least_squares import Residual, Residuals, one_by_one
+from workbench.fitting.least_squares import Residuals
 
 WIDTHS = (0.3, 0.1, 0.03, 0.01)
 """Steps of a difference quotient, of an unknown or of 1, whichever is larger: from the widest."""
@@ -23,15 +23,11 @@ FELL, ROUNDS = 0.99, 20
 """Share of the sum of squares that a step leaves at most, if another is made with such quotients; and their number."""
 
 
-def descend(
-    residual: Residual, start: np.ndarray, low: np.ndarray, high: np.ndarray, together: Residuals | None = None
-) -> np.ndarray:
+def descend(residuals: Residuals, start: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Unknowns between `low` and `high` with a lower sum of squares of a residual than at `start`, shape (unknowns,).
 
-    Every point that is looked at may be the next, those of the quotients, too. A residual that costs less at several
-    places at once comes `together`.
+    Every point that is looked at may be the next, those of the quotients, too.
     """
-    residuals = together or one_by_one(residual)
     x = np.clip(np.asarray(start, dtype=float), low, high)
     (base,) = residuals([x])
     for width in WIDTHS if x.size else ():

@@ -222,7 +222,7 @@ def fit(
         weighed = side_by_side(weigh, found)
         return [np.concatenate([one, _vague(unknowns, x)]) for one, x in zip(weighed, places, strict=True)]
 
-    solution = least_squares(lambda x: residuals([x])[0], start, low, high, search, _longest(unknowns), residuals)
+    solution = least_squares(residuals, start, low, high, search, _longest(unknowns))
     size, places = solution.residual.size - len(unknowns), list(zip(unknowns, solution.x, strict=True))
     return Fit(
         balance=balance,

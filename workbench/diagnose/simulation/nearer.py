@@ -202,7 +202,7 @@ def _over_hollows(of: Simulated, fitting: Fitting) -> Values:
     def residuals(places: Sequence[np.ndarray]) -> list[np.ndarray]:
         return stacks(balance, [values_at(values, unknowns, x) for x in places])
 
-    return values_at(values, unknowns, descend(lambda x: residuals([x])[0], first, low, high, residuals))
+    return values_at(values, unknowns, descend(residuals, first, low, high))
 
 
 def _ladder(whole: Shooting, motions: Sequence[Motion]) -> list[Shooting]:
