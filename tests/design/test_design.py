@@ -121,6 +121,7 @@ def test_the_study_runs_every_hypothesis(designed: tuple[Any, Path]) -> None:
     assert overlaps[1]["value"] == "0 m"
 
 
+@pytest.mark.thorough
 def test_the_same_experiment_gives_the_same_motion(designed: tuple[Any, Path], experiment: Path) -> None:
     again = experiment.parent / "again"
     with quick():

@@ -74,6 +74,7 @@ def test_what_a_loop_makes_of_noise_is_no_effect(tmp_path: Path) -> None:
     assert not sought(experiment, all_samples=True).effects
 
 
+@pytest.mark.thorough
 def test_what_is_there_all_samples_show_as_well(tmp_path: Path) -> None:
     found = sought(held(tmp_path, 1e-6, 1), all_samples=True)
     assert list(found.effects) == ["backlash"]

@@ -50,6 +50,7 @@ def found(folder: Path, gradient: float, slow: float = 0.0) -> tuple[float, Foun
     return base.fit.excess, found_led(experiment, motions, base, start)
 
 
+@pytest.mark.thorough
 def test_friction_that_grows_along_the_stroke_is_found_far_from_noise(tmp_path: Path) -> None:
     excess, led = found(tmp_path, 0.5)
     assert excess > ASTRAY

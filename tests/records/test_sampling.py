@@ -174,6 +174,7 @@ def test_check_and_identify_take_the_pieces_and_tell_of_them(tmp_path: Path) -> 
     assert found["viscous"]["simulation"]["value"] == pytest.approx(800.0, rel=0.02)
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("dots_alone")
 def test_a_diagnosis_takes_the_pieces_and_tells_of_them(tmp_path: Path) -> None:
     path = experiment(tmp_path, log(30.0, every=10.0))

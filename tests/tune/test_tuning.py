@@ -37,7 +37,9 @@ def outcome(tuning: Tuning) -> list[object]:
 # --- the same gains whatever happens ---
 
 
-@pytest.mark.parametrize("text", [STUDY, robust()], ids=["declared", "drawn"])
+@pytest.mark.parametrize(
+    "text", [pytest.param(STUDY, id="declared"), pytest.param(robust(), id="drawn", marks=pytest.mark.thorough)]
+)
 def test_jobs_do_not_change_the_gains(tmp_path: Path, text: str) -> None:
     several = text.replace("seeds = 1", "seeds = 2")
     serial = tuned(tmp_path / "one", several, ("p", "lugre"), trials=12, jobs=1)
