@@ -12,6 +12,7 @@ from diagnoses import doubting, rejected, unexplained, with_held_out, with_left,
 from plants.effects.curves import CURVES
 from plants.effects.registry import effects
 from plants.registry import DRIVE_FORCE
+from workbench.diagnose.effects import effects_of_both
 from workbench.diagnose.report.folder import plant_file, summary
 from workbench.diagnose.report.names import interval, percent, quantity
 from workbench.diagnose.report.sureness import of_term, sureness, why_none
@@ -29,6 +30,19 @@ from workbench.publish.words import plain_name
 
 def test_it_is_said_that_deviations_rest_on_what_is_held(diagnosis: Diagnosis) -> None:
     assert any("Deviations take what is held for exact, mass and areas too" in line for line in sureness(diagnosis))
+
+
+def test_it_is_said_where_other_numbers_of_an_effect_do_as_well(diagnosis: Diagnosis) -> None:
+    simulation = diagnosis.simulation
+    assert simulation is not None
+    assert not any("do not tell which" in line for line in sureness(diagnosis))
+    (effect,) = simulation.effects
+    either = replace(simulation, otherwise={effect: [("one", "two"), ("three",)]})
+    found = effects_of_both(diagnosis.effects, either)
+    (told,) = (line for line in sureness(replace(diagnosis, effects=found)) if "do not tell which" in line)
+    assert told.endswith(
+        " But one with two or three in the place of valve_overlap would leave as little: the records do not tell which."
+    )
 
 
 def test_it_is_said_that_a_loop_leads_the_plant(diagnosis: Diagnosis) -> None:

@@ -151,3 +151,25 @@ def test_no_more_are_sought_than_a_plant_may_lack_at_once(present: int) -> None:
     found = search(fit(balance, start, [], None, EXACT), {}, Asked(start, {}, 10, {}, settle=lambda found: found))
     assert len(found.effects) == MOST
     assert (found.fit.excess < 1.1) is (present == MOST), "what four do not explain is left"
+
+
+@pytest.mark.parametrize("told", [False, True])
+def test_other_numbers_of_an_effect_that_do_as_well_are_told(told: bool) -> None:
+    """A leak of one chamber is that of the other, where no pressure tells which."""
+
+    def leaking(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+        other = 1.0 + told * np.sin(motion.position / 0.004)
+        one, two = (values.get(f"external_leakage_{chamber}", 0.0) for chamber in (1, 2))
+        return np.asarray(1e14 * (one + 2.0 * other * two))
+
+    true = {"external_leakage_1": 5e-14}
+    balance = replace(made_balance([made_motion()], leaking, true, effects=("external_leakage",)), name=SIMULATION)
+    found = search(fit(balance, {}, [], None, EXACT), {}, Asked({}, {}, 10, {}, settle=lambda one: one))
+    (own,) = found.effects.values()
+    assert len(own) == 1
+    if told:
+        assert own == ("external_leakage_1",)
+        assert found.otherwise == {}
+    else:
+        (others,) = found.otherwise.values()
+        assert {own, *others} == {("external_leakage_1",), ("external_leakage_2",)}

@@ -68,7 +68,7 @@ def effects_of_result(result: BalanceResult) -> list[FoundEffect]:
                 _estimates(after, names),
                 list(result.alternatives.get(effect, [])),
                 Evidence(share, stands_out(result.gains.get(effect, 0.0)), together),
-                _confounded(together),
+                [*_confounded(together), *_either(names, result.otherwise.get(effect, []))],
             )
         )
     return found
@@ -92,7 +92,7 @@ def effects_of_both(effects: Sequence[FoundEffect], simulation: SimulationStage)
         elif first is None:
             merged.append(second)
         else:
-            merged.append(replace(second, evidence=first.evidence, remarks=first.remarks))
+            merged.append(replace(second, evidence=first.evidence))
     return merged
 
 
@@ -134,6 +134,14 @@ def _confounded(together: float | None) -> list[str]:
         f"where the machine moves its speed {word} with the pressure (correlation {together:.2f}): what is said to "
         "depend on pressure may in part depend on speed; records at one pressure and several speeds would tell"
     ]
+
+
+def _either(names: Sequence[str], otherwise: Sequence[Sequence[str]]) -> list[str]:
+    """What a reader has to know of an effect whose `names` are free where others of its numbers do as well."""
+    if not otherwise:
+        return []
+    others = " or ".join(" with ".join(one) for one in otherwise)
+    return [f"{others} in the place of {' with '.join(names)} would leave as little: the records do not tell which"]
 
 
 def _speed_and_pressure(motions: Sequence[Motion]) -> float:

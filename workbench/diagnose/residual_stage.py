@@ -198,6 +198,7 @@ def with_effects(stage: ResidualStage, experiment: Experiment, progress: Progres
             effects=found.effects,
             gains=found.gains,
             alternatives=found.alternatives,
+            otherwise=found.otherwise,
         )
         after = after.withdrawn() if _leaves_too_much(after) else after
         curve = curve_of(experiment, after, values, stage.declared)

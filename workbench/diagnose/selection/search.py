@@ -6,7 +6,7 @@ is taken, and the search goes on from there. So one effect that stood in for two
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -73,7 +73,8 @@ Fits = dict[tuple[tuple[Trial, ...], tuple[str, ...]], Fit]
 @dataclass(frozen=True, eq=False)
 class Found:
     """What a search ends with: the fit, its effects with their numbers, the rounds, the gain of each effect that is
-    there, for each those that do as well in its place, and the values that would shape every effect best.
+    there, for each those that do as well in its place, and the values that would shape every effect best. `otherwise`
+    are for each other numbers of the same effect that do as well.
     """
 
     fit: Fit
@@ -82,6 +83,7 @@ class Found:
     gains: Mapping[str, float]
     alternatives: Mapping[str, Sequence[str]]
     shapes: Shapes
+    otherwise: Mapping[str, Sequence[tuple[str, ...]]] = field(default_factory=dict)
 
 
 def search(start: Fit, effects: Effects, ask: Asked) -> Found:
@@ -122,7 +124,7 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
     gains = {effect: min(_worth_of(current, taken, effect, ask), _gained_by(effect, steps)) for effect in taken}
-    return Found(current, taken, steps, gains, level, shapes)
+    return Found(current, taken, steps, gains, level, shapes, _by_other_numbers(current, taken, ask))
 
 
 def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Asked, explored: bool) -> float:
@@ -188,6 +190,35 @@ def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, l
         if lost < LEVEL and is_estimated(other, current.balance):
             level[effect].append(offer.added[0].effect)
     return level
+
+
+def _by_other_numbers(current: Fit, taken: Effects, ask: Asked) -> dict[str, list[tuple[str, ...]]]:
+    """For each effect that was found the sets of others of its numbers that do as well in the place of its own."""
+    known = registered(current.balance.axis)
+    trials = [
+        Trial(effect, variant, ())
+        for effect, own in taken.items()
+        for variant in known[effect].variants
+        if not set(variant) & set(own) and not any(known[effect].numbers[name].shapes for name in variant)
+    ]
+    outlook = Outlook(current, together(seen_of(current, trials, ask.bounds), trials))
+
+    def lost(trial: Trial) -> float:
+        effect = trial.effect
+        price = ask.price((trial,), (effect,), taken, current.balance)
+        offer = outlook.proposal([trial], {effect: away_of(current, taken[effect], ask)}, price)
+        if offer.score < -REACH * LEVEL:
+            return np.inf
+        other = fitted_with(current, taken, offer, ask)
+        if not is_estimated(other, current.balance):
+            return np.inf
+        return 0.5 * (other.squares - current.squares) + price
+
+    found: dict[str, list[tuple[str, ...]]] = {}
+    for trial, less in zip(trials, side_by_side(lost, trials), strict=True):
+        if less < LEVEL:
+            found.setdefault(trial.effect, []).append(trial.names)
+    return found
 
 
 def _explored(outlook: Outlook, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:

@@ -1,7 +1,7 @@
 """What became of effects that competed for a residual, round by round."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class Step:
 @dataclass(frozen=True, eq=False)
 class BalanceResult:
     """A balance before and after selection: with every round of it, its effects, what each gains in the logarithm of
-    the likelihood, and for each those that do as well in its place.
+    the likelihood, for each those that do as well in its place, and `otherwise` other numbers of it that do.
     """
 
     balance: Balance
@@ -67,6 +67,7 @@ class BalanceResult:
     effects: Effects
     gains: Mapping[str, float]
     alternatives: Mapping[str, Sequence[str]]
+    otherwise: Mapping[str, Sequence[tuple[str, ...]]] = field(default_factory=dict)
 
     def withdrawn(self) -> "BalanceResult":
         """The same with nothing added."""

@@ -7,7 +7,7 @@ nearly all of that.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -42,7 +42,8 @@ class SimulationStage:
     gains in the logarithm of the likelihood, `alternatives` those that do as well in its place; `dropped` are effects
     of the balances that the simulated plant does without; `lacks` is on what depends that which no effect explains, and
     `stood_in` were effects that only stood in for it; `refuted` were those against which held-out records speak;
-    `curved` is the plant with a curve for what it lacks, where that alone brings it near its records.
+    `curved` is the plant with a curve for what it lacks, where that alone brings it near its records; `otherwise` are
+    for each effect other numbers of it that do as well.
     """
 
     how: Shooting
@@ -59,12 +60,20 @@ class SimulationStage:
     stood_in: Sequence[str] = ()
     refuted: Sequence[str] = ()
     curved: Curved | None = None
+    otherwise: Mapping[str, Sequence[tuple[str, ...]]] = field(default_factory=dict)
 
     @property
     def result(self) -> BalanceResult:
         """As a balance's: both fits, and the rounds."""
         return BalanceResult(
-            self.after.balance, self.before, self.after, self.steps, self.effects, self.gains, self.alternatives
+            balance=self.after.balance,
+            before=self.before,
+            after=self.after,
+            steps=self.steps,
+            effects=self.effects,
+            gains=self.gains,
+            alternatives=self.alternatives,
+            otherwise=self.otherwise,
         )
 
     @property
@@ -191,6 +200,7 @@ class Searches:
             steps=found.steps,
             gains=found.gains,
             alternatives=found.alternatives,
+            otherwise=found.otherwise,
             dropped=dropped,
             lacks=lacks,
             stood_in=stood_in,
