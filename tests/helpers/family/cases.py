@@ -13,7 +13,7 @@ from .machines import KINDS, MOTIONS, between, stream
 from .unlisted import UNLISTED
 
 SETS = ("tuning", "reported")
-"""`tuning` is for working on diagnosis; `reported` has other seeds and is looked at once, for the figures."""
+"""`tuning` is for working on diagnosis; `reported` has other seeds, for the figures: no constant is chosen by it."""
 
 NONE, THREE, LIMIT, STRONG, SEVERAL, OTHER = CASES = ("none", "three", "limit", "strong", "several", "unlisted")
 """Without effect; one at 3 limits, at 1 limit, and strong; two or three; one that no list has."""
