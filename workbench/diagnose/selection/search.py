@@ -124,7 +124,8 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
     current, taken = _simplest(current, taken, ask)
     level = _in_their_place(_outlook(current, taken, ask, columns)[0], taken, ask) if taken else {}
     gains = {effect: min(_worth_of(current, taken, effect, ask), _gained_by(effect, steps)) for effect in taken}
-    return Found(current, taken, steps, gains, level, shapes, _by_other_numbers(current, taken, ask))
+    otherwise = _by_other_numbers(current, taken, ask) if taken else {}
+    return Found(current, taken, steps, gains, level, shapes, otherwise)
 
 
 def _left_by(pair: tuple[Proposal, Fit], current: Fit, taken: Effects, ask: Asked, explored: bool) -> float:
@@ -170,25 +171,19 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
 
 def _in_their_place(outlook: Outlook, taken: Effects, ask: Asked) -> dict[str, list[str]]:
     """For each effect that was found those that do as well in its place."""
-    current = outlook.fitted
     tried = list[tuple[str, Proposal]]()
     for effect in taken:
-        away = {effect: away_of(current, taken[effect], ask)}
         offers: dict[str, Proposal] = {}
         for trial in outlook.columns:
             if trial.effect not in taken:
-                price = ask.of_trial(trial, current.balance) - ask.of(effect, taken[effect], current.balance)
-                offer = outlook.proposal([trial], away, price)
+                offer = _offered(outlook, trial, effect, taken, ask)
                 if trial.effect not in offers or offer.score > offers[trial.effect].score:
                     offers[trial.effect] = offer
         near = sorted(offers.values(), key=lambda offer: -offer.score)[:EXCHANGED]
-        tried += [(effect, offer) for offer in near if offer.score >= -REACH * LEVEL]
-    others = side_by_side(lambda one: fitted_with(current, taken, one[1], ask), tried)
+        tried += [(effect, offer) for offer in near]
     level: dict[str, list[str]] = {effect: [] for effect in taken}
-    for (effect, offer), other in zip(tried, others, strict=True):
-        lost = 0.5 * (other.squares - current.squares) + ask.price_of(offer, taken, current.balance)
-        if lost < LEVEL and is_estimated(other, current.balance):
-            level[effect].append(offer.added[0].effect)
+    for effect, trial in _as_good(outlook.fitted, tried, taken, ask):
+        level[effect].append(trial.effect)
     return level
 
 
@@ -196,29 +191,38 @@ def _by_other_numbers(current: Fit, taken: Effects, ask: Asked) -> dict[str, lis
     """For each effect that was found the sets of others of its numbers that do as well in the place of its own."""
     known = registered(current.balance.axis)
     trials = [
-        Trial(effect, variant, ())
+        Trial(effect, variant)
         for effect, own in taken.items()
         for variant in known[effect].variants
         if not set(variant) & set(own) and not any(known[effect].numbers[name].shapes for name in variant)
     ]
     outlook = Outlook(current, together(seen_of(current, trials, ask.bounds), trials))
-
-    def lost(trial: Trial) -> float:
-        effect = trial.effect
-        price = ask.price((trial,), (effect,), taken, current.balance)
-        offer = outlook.proposal([trial], {effect: away_of(current, taken[effect], ask)}, price)
-        if offer.score < -REACH * LEVEL:
-            return np.inf
-        other = fitted_with(current, taken, offer, ask)
-        if not is_estimated(other, current.balance):
-            return np.inf
-        return 0.5 * (other.squares - current.squares) + price
-
+    tried = [(trial.effect, _offered(outlook, trial, trial.effect, taken, ask)) for trial in outlook.columns]
     found: dict[str, list[tuple[str, ...]]] = {}
-    for trial, less in zip(trials, side_by_side(lost, trials), strict=True):
-        if less < LEVEL:
-            found.setdefault(trial.effect, []).append(trial.names)
+    for effect, trial in _as_good(current, tried, taken, ask):
+        found.setdefault(effect, []).append(trial.names)
     return found
+
+
+def _offered(outlook: Outlook, trial: Trial, effect: str, taken: Effects, ask: Asked) -> Proposal:
+    """What a trial promises in the place of an effect that was found."""
+    current = outlook.fitted
+    price = ask.price((trial,), (effect,), taken, current.balance)
+    return outlook.proposal([trial], {effect: away_of(current, taken[effect], ask)}, price)
+
+
+def _as_good(
+    current: Fit, tried: Sequence[tuple[str, Proposal]], taken: Effects, ask: Asked
+) -> list[tuple[str, Trial]]:
+    """Of trials in the place of effects those that do as well once they are fitted, each with that effect."""
+    near = [(effect, offer) for effect, offer in tried if offer.score >= -REACH * LEVEL]
+    others = side_by_side(lambda one: fitted_with(current, taken, one[1], ask), near)
+    return [
+        (effect, offer.added[0])
+        for (effect, offer), other in zip(near, others, strict=True)
+        if 0.5 * (other.squares - current.squares) + ask.price_of(offer, taken, current.balance) < LEVEL
+        and is_estimated(other, current.balance)
+    ]
 
 
 def _explored(outlook: Outlook, taken: Effects, ask: Asked) -> list[tuple[Proposal, Fit]]:

@@ -65,16 +65,8 @@ class SimulationStage:
     @property
     def result(self) -> BalanceResult:
         """As a balance's: both fits, and the rounds."""
-        return BalanceResult(
-            balance=self.after.balance,
-            before=self.before,
-            after=self.after,
-            steps=self.steps,
-            effects=self.effects,
-            gains=self.gains,
-            alternatives=self.alternatives,
-            otherwise=self.otherwise,
-        )
+        fits = self.after.balance, self.before, self.after
+        return BalanceResult(*fits, self.steps, self.effects, self.gains, self.alternatives, self.otherwise)
 
     @property
     def starts_anew_every(self) -> float | None:
