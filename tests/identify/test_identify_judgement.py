@@ -265,6 +265,18 @@ def test_nothing_slides(tmp_path: Path, column: str, ratio: float, duration: flo
     fails(identify(tmp_path, text, method), f"nothing slides in {tmp_path / 'run_a.parquet'}: ", said)
 
 
+@pytest.mark.parametrize("method", ["thesis", "simulation"])
+def test_a_time_in_another_unit_than_its_column(tmp_path: Path, method: str) -> None:
+    """Seconds declared as milliseconds: 15 s are 15 ms."""
+    axial_record(tmp_path / "run_a.parquet", CURVE, 0.0)
+    frame = pd.read_parquet(tmp_path / "run_a.parquet")
+    frame[frame["time"] <= 15.0].assign(time=1e-3 * frame["time"]).to_parquet(tmp_path / "run_a.parquet")
+    text = AXIAL.partition("[[published]]")[0]
+    said = "0.015 s are too short to see a velocity; take a longer record, or is the unit of channel time right?"
+    fails(identify(tmp_path, text, method), f"{tmp_path / 'run_a.parquet'}: {said}")
+    assert said in checked(tmp_path, text).err
+
+
 def test_an_empty_record(tmp_path: Path) -> None:
     (tmp_path / "run_a.csv").write_text("")
     text = AXIAL.replace("run_*.parquet", "run_a.csv").partition("[[published]]")[0]

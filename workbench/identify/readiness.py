@@ -8,7 +8,7 @@ from workbench.errors import UserError
 from workbench.records.experiment import Experiment
 from workbench.records.friction import AXIAL, SHOWING, fewest_samples
 from workbench.records.reading import Record, by_log
-from workbench.records.sliding import check_opposes, check_slides
+from workbench.records.sliding import check_lasts, check_opposes, check_slides
 
 MARKS = "*?["
 """What makes a file's name a pattern."""
@@ -36,11 +36,14 @@ def check_experiment(experiment: Experiment, method: str) -> None:
 
 
 def check_records(experiment: Experiment, records: Sequence[Record], method: str) -> None:
-    """What the records show: rotation that the plant does not know, too few samples, no motion, friction that drives.
+    """What the records show: too short a time, rotation that the plant does not know, too few samples, no motion,
+    friction that drives.
 
     Raises:
         UserError: what `identify` could not do.
     """
+    for pieces in by_log(records):
+        check_lasts(pieces)
     if method in ("simulation", "both"):
         _check_rotates(experiment, [record.rpm for record in records])
     if method in ("thesis", "both"):

@@ -40,12 +40,17 @@ class Slow:
 
     @property
     def sample_time(self) -> float:
-        """Time between samples (s)."""
-        return float(self.time[1] - self.time[0])
+        """Time between samples (s), without bound where there are no two."""
+        return _step(self.time)
 
     def turned(self, direction: int) -> "Slow":
         """The same with motion in `direction` (1 or -1) counted as positive."""
         return Slow(self.time, direction * self.velocity, direction * self.force)
+
+
+def _step(time: np.ndarray) -> float:
+    """s from one to the next, without bound where there are no two."""
+    return float(time[1] - time[0]) if time.size > 1 else np.inf
 
 
 def meant(sample_time: float, rate: float) -> int:
@@ -146,7 +151,7 @@ def from_position(time: np.ndarray, position: np.ndarray, force: np.ndarray) -> 
     """Position (m) and force (N) averaged to 100 Hz, the position then differentiated (thesis 4.3)."""
     count = meant(float(time[1] - time[0]), FINE)
     time, position, force = (averaged(values, count) for values in (time, position, force))
-    return Slow(time, velocity_of(position, float(time[1] - time[0])), force)
+    return Slow(time, velocity_of(position, _step(time)), force)
 
 
 def from_speed(time: np.ndarray, speed: np.ndarray, force: np.ndarray) -> Slow:

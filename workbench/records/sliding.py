@@ -8,7 +8,7 @@ from plants.axis import name_along
 from workbench.errors import UserError
 from workbench.publish.along import SHOWN
 from workbench.records.experiment import Experiment
-from workbench.records.friction import AXIAL, SLIDING, directions, friction_of, from_position, slower
+from workbench.records.friction import AXIAL, FINE, SLIDING, directions, friction_of, from_position, meant, slower
 from workbench.records.reading import Record
 
 SLOW_SAMPLES = 0.1
@@ -64,6 +64,20 @@ def _unit_mistake(record: Record, experiment: Experiment) -> str:
             travel = f"{shown.plain(way, 3)} of a stroke of {shown.plain(stroke, 3)}"
             return f"; it travels {travel}: is the unit of channel position right?"
     return ""
+
+
+def check_lasts(pieces: Sequence[Record]) -> None:
+    """Whether a piece of a record lasts as long as two of the means of which a velocity is made.
+
+    Raises:
+        UserError: none does.
+    """
+    record = max(pieces, key=lambda piece: piece.time.size)
+    if record.time.size < 2 * meant(record.sample_time, FINE):
+        raise UserError(
+            f"{record.path}: {record.time[-1]:.3g} s are too short to see a velocity; take a longer record, or is the "
+            "unit of channel time right?"
+        )
 
 
 def check_opposes(pieces: Sequence[Record], experiment: Experiment) -> None:
