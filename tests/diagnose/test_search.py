@@ -14,7 +14,7 @@ from workbench.diagnose.selection.judging import _is_sure, choose
 from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import MOST, _gained_by, search
 from workbench.diagnose.selection.selection import Candidate, Step
-from workbench.diagnose.selection.sets import FAR, Asked, fitted_with
+from workbench.diagnose.selection.sets import FAR, Asked, fitted_with, fitted_without
 from workbench.diagnose.selection.trials import Shape, Shapes, Trial
 from workbench.fitting.least_squares import Search
 
@@ -114,6 +114,29 @@ def test_far_from_noise_a_fit_begins_at_a_part_of_the_way_to_first_order(times: 
     proposal = Proposal((trial,), (), 0.0, 0.0, {"spring_stiffness": times * TURN})
     found = fitted_with(current, {}, proposal, Asked(start, {}, 10, {}))
     assert found.values["spring_stiffness"] == pytest.approx(TURN, abs=4.0 * found.deviations["spring_stiffness"])
+
+
+LEVER = 20.0
+"""1/m: how much of a spring is as good as a load."""
+
+
+def turning(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """The same with the sum of a load and a spring, and a little of the spring alone."""
+    spring = values.get("spring_stiffness", 0.0)
+    both = bending(motion, {"spring_stiffness": LEVER * values["load_force"] + spring})
+    return both + 0.01 * spring * motion.position
+
+
+@pytest.mark.parametrize("times", [1.0, 30.0])
+def test_what_an_effect_carried_falls_to_the_own_parameters_without_it(times: float) -> None:
+    """Where these begin as they are a fit without it is lost among hollows, and the effect stays for good."""
+    balance = made_balance([made_motion()], turning, {"load_force": TURN / LEVER, "spring_stiffness": 0.0})
+    load, names = (1.0 - times) * TURN / LEVER, ("spring_stiffness",)
+    place = {"load_force": load, "spring_stiffness": times * TURN}
+    current = fit(balance, place, ["load_force", *names], None, AS_IT_IS)
+    found = fitted_without(current, {"spring_load": names}, ["spring_load"], Asked(START, {}, 10, {}))
+    assert found.values["load_force"] == pytest.approx(TURN / LEVER, abs=4.0 * found.deviations["load_force"])
+    assert found.rms < 1.1
 
 
 SIZES = {

@@ -12,7 +12,16 @@ from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit, weighi
 from workbench.diagnose.selection.hum import hums_for, without_hum
 from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import FAR, QUICK, Asked, after, fitted_with, is_estimated, numbers_of
+from workbench.diagnose.selection.sets import (
+    FAR,
+    QUICK,
+    Asked,
+    after,
+    fitted_with,
+    fitted_without,
+    is_estimated,
+    numbers_of,
+)
 from workbench.fitting.threads import side_by_side
 
 WEIGHED = 2
@@ -82,7 +91,7 @@ def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: E
     if not proposal.added:
         return True
     if proposal.dropped:
-        beside = ask.settled(fitted_with(current, taken, replace(proposal, added=(), start={}), ask))
+        beside = ask.settled(fitted_without(current, taken, proposal.dropped, ask))
     price = sum(ask.of_trial(trial, found.balance) for trial in proposal.added)
     if ask.settle is None:
         far = beside.rms > FAR and found.rms < NEAR_NOISE

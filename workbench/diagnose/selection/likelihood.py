@@ -42,7 +42,7 @@ them before any record.
 
 def gain_of(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[float, np.ndarray]:
     """By how much the logarithm of the likelihood rises, to first order, with columns (rows, numbers; not weighed)
-    between bounds beside a fit's own unknowns, and how far they go.
+    between bounds beside a fit's own unknowns, and how far these and they go.
 
     What is missing is coloured, and may pass for noise: with the columns and without them noise is what is left.
     """
@@ -62,7 +62,7 @@ def gained(balance: Balance, one: Left, other: Left) -> float:
 
 
 def _settled(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, Left]:
-    """How far columns go beside a fit's own unknowns, and what is left then."""
+    """How far a fit's own unknowns go, and columns beside them, and what is left then."""
     count, weigh, own = len(fitted.unknowns), fitted.weighing, fitted.jacobian * fitted.free
     known, pull = np.zeros(count + block.shape[1]), np.zeros(count + block.shape[1])
     known[:count], pull[:count] = fitted.known, fitted.pull
@@ -79,7 +79,7 @@ def _settled(fitted: Fit, block: np.ndarray, low: np.ndarray, high: np.ndarray) 
             break
         own, weighed = weigh(fitted.changes) * fitted.free, weigh(fitted.residual)
     vague = 0.5 * float(fitted.vague @ fitted.vague) + float(pull @ x + 0.5 * known @ x**2)
-    return x[count:], (weigh, left, vague)
+    return x, (weigh, left, vague)
 
 
 def left_by(fitted: Fit) -> Left:
@@ -96,7 +96,9 @@ def own_noise(fitted: Fit) -> Left:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """A set of effects to be fitted: what it adds and drops, its expected gain less what is asked, where it starts."""
+    """A set of effects to be fitted: what it adds and drops, its expected gain less what is asked, and where it starts:
+    the values to which first order leads the numbers that it adds, and all others.
+    """
 
     added: tuple[Trial, ...]
     dropped: tuple[str, ...]
@@ -132,11 +134,9 @@ class Outlook:
         curvature += np.diag(known)
         return curvature, slope, places
 
-    def gain(
-        self, added: Sequence[Trial], moved: Mapping[int, float] | None = None
-    ) -> tuple[float, dict[Trial, np.ndarray]]:
-        """By how much the logarithm of the likelihood rises with these, and how far their numbers move; `moved` are
-        unknowns of the fit that are taken elsewhere, as a search sees them.
+    def gain(self, added: Sequence[Trial], moved: Mapping[int, float] | None = None) -> tuple[float, dict[str, float]]:
+        """By how much the logarithm of the likelihood rises with these, and the values of their numbers and of the
+        fit's own parameters then; `moved` are unknowns of the fit that are taken elsewhere, as a search sees them.
         """
         curvature, slope, places = self._whole
         fixed = moved or {}
@@ -155,19 +155,31 @@ class Outlook:
         high = np.concatenate([np.full(len(rest), np.inf), *(self.columns[trial].high for trial in added)])
         x = bounded_minimum(curvature[np.ix_(free, free)], g[free], low, high)
         fallen = -float(g[free] @ x + 0.5 * x @ curvature[np.ix_(free, free)] @ x)
-        reached, at = {}, len(rest)
+        own = np.zeros(count)
+        own[rest] = x[: len(rest)]
+        return fallen - risen, self._reached(own, added, x[len(rest) :], rest)
+
+    def _reached(self, own: np.ndarray, added: Sequence[Trial], x: np.ndarray, rest: Sequence[int]) -> dict[str, float]:
+        """The values of those of the fit's own parameters that are the `rest`, moved by `own`, and of what is added."""
+        unknowns = self.fitted.unknowns
+        low, high = [u.low for u in unknowns], [u.high for u in unknowns]
+        there = self.fitted.at(np.clip(self.fitted.places + own, low, high))
+        names = [unknowns[i].name for i in rest]
+        reached, at = {name: there[name] for name in names}, 0
         for trial in added:
-            size = len(places[trial])
-            reached[trial] = x[at : at + size]
-            at += size
-        return fallen - risen, reached
+            columns = self.columns[trial]
+            reached |= columns.values(x[at : at + len(columns.own)])
+            at += len(columns.own)
+        return reached
 
     def alone(self, trial: Trial, price: float) -> Proposal:
         """One trial, by the noise that it would leave itself."""
         if trial not in self._alone:
             columns = self.columns[trial]
             gain, x = gain_of(self.fitted, columns.change, columns.low, columns.high)
-            self._alone[trial] = Proposal((trial,), (), gain, gain, columns.values(x))
+            count = len(self.fitted.unknowns)
+            reached = self._reached(x[:count], [trial], x[count:], range(count))
+            self._alone[trial] = Proposal((trial,), (), gain, gain, reached)
         known = self._alone[trial]
         return replace(known, score=known.gain - price)
 
@@ -175,8 +187,7 @@ class Outlook:
         """The set with these added and dropped, for what it costs."""
         moved = {i: away for own in dropped.values() for i, away in own.items()}
         gain, reached = self.gain(added, moved)
-        start = {name: value for trial, x in reached.items() for name, value in self.columns[trial].values(x).items()}
-        return Proposal(tuple(added), tuple(dropped), gain, gain - price, start)
+        return Proposal(tuple(added), tuple(dropped), gain, gain - price, reached)
 
 
 def effects_of(trials: Collection[Trial]) -> tuple[str, ...]:

@@ -12,7 +12,6 @@ from itertools import combinations
 import numpy as np
 
 from plants.effects.registry import effects as registered
-from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.fit import Fit, again, fit
 from workbench.diagnose.selection.judging import choose
@@ -23,15 +22,16 @@ from workbench.diagnose.selection.sets import (
     QUICK,
     Asked,
     after,
+    away_of,
     declared_again,
     fitted_with,
     is_estimated,
+    nearest,
     numbers_of,
 )
 from workbench.diagnose.selection.trials import Seen, Shape, Shapes, Trial, seen_of, together, trials_of
 from workbench.fitting.least_squares import Search
 from workbench.fitting.threads import side_by_side
-from workbench.parameters.sets import NEUTRAL
 
 FIRST_STEPS = Search(flat=1e-3, most_steps=8, learns=True)
 """When a fit ends that shows whether an effect leads anywhere."""
@@ -158,11 +158,13 @@ def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
             if not more or not set(variant) < set(own):
                 continue
             spared = ask.of(effect, own, current.balance) - ask.of(effect, variant, current.balance)
-            if -Outlook(current, {}).gain([], away_of(current, more, ask))[0] > REACH * spared:
+            gain, reached = Outlook(current, {}).gain([], away_of(current, more, ask))
+            if -gain > REACH * spared:
                 continue
             names = [name for name in current.names if name not in more]
             values = declared_again(current.values, more, ask.declared)
-            fewer = fit(current.balance, values, names, ask.bounds, QUICK, current.weighing)
+            start = nearest(current, [values, {**values, **{name: reached[name] for name in names}}])
+            fewer = fit(current.balance, start, names, ask.bounds, QUICK, current.weighing)
             if 0.5 * (fewer.squares - current.squares) < spared:
                 current, taken = fewer, {**taken, effect: tuple(name for name in own if name not in more)}
                 break
@@ -311,24 +313,6 @@ def _promising(
         if is_estimated(found, current.balance):
             kept = max(kept, 0.5 * (current.squares - found.squares) - ask.price_of(proposal, taken, current.balance))
     return fitted
-
-
-def away_of(current: Fit, own: Sequence[str], ask: Asked) -> dict[int, float]:
-    """How far the unknowns of an effect are from where it does nothing."""
-    known = {**NEUTRAL, **ask.declared}
-    away = {}
-    for i, searched in enumerate(current.unknowns):
-        if searched.name in own:
-            plain = searched.name.removesuffix(f"_{NEGATIVE}")
-            neutral = (
-                current.values[plain]
-                if plain != searched.name and plain in current.values
-                else known.get(searched.name, 0.0)
-            )
-            if searched.logarithmic and neutral <= 0.0:
-                continue
-            away[i] = searched.place(neutral) - current.places[i]
-    return away
 
 
 def _worth_of(current: Fit, taken: Effects, effect: str, ask: Asked) -> float:

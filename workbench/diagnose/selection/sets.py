@@ -3,13 +3,15 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import FINAL, NEAR_NOISE, Fit, again, fit, stacks, weighing_at
 from workbench.diagnose.residuals.unknowns import Bounds, Values, idle
-from workbench.diagnose.selection.likelihood import Proposal, asked
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
 from workbench.fitting.least_squares import Search
+from workbench.parameters.sets import NEUTRAL
 
 QUICK = Search(flat=1e-5, most_steps=15, learns=True)
 """When a fit ends by which sets are ranked."""
@@ -21,7 +23,7 @@ AT_FLOOR = 1.0
 FAR = 5.0
 """Floors beyond which a fit is so far from noise that first order is no guide."""
 
-SHARES = (1.0, 0.3, 0.1, 0.03)
+SHARES = (0.3, 0.1, 0.03)
 """Of the way to where first order leads, from one of which a fit begins that is far from noise."""
 
 
@@ -70,28 +72,38 @@ class Asked:
 
 
 def fitted_with(current: Fit, taken: Effects, proposal: Proposal, ask: Asked) -> Fit:
-    """The plant with the set that is proposed, fitted from where first order leads, or far from noise from that part of
-    the way which leaves least.
+    """The plant with the set that is proposed, fitted from where first order leads, with the other parameters as they
+    are or moved along, or far from noise from that part of the way which leaves least.
+
+    Where a long run shows parameters to parts in a million, one that moves alone takes the run astray.
     """
     dropped = {name for effect in proposal.dropped for name in taken[effect]}
     names = [name for name in current.names if name not in dropped]
     names += [name for trial in proposal.added for name in trial.names if name not in names]
     values = declared_again(current.values, dropped, ask.declared)
-    far = current.excess > NEAR_NOISE and proposal.added
-    start = _nearest(current, values, proposal) if far else {**values, **proposal.start}
+    reached = {name: proposal.start[name] for name in names if name in proposal.start}
+    start = nearest(current, _starts(current, values, reached, proposal))
     return fit(current.balance, start, names, ask.bounds, QUICK, current.weighing)
 
 
-def _nearest(current: Fit, values: Values, proposal: Proposal) -> Values:
-    """Of some shares of the way to where first order leads the one that leaves least: far from noise much bends, and
-    the plant's own parameters have to come along.
+def _starts(current: Fit, values: Values, reached: Values, proposal: Proposal) -> Sequence[Values]:
+    """Where a fit of a set may begin: with its numbers where first order leads (`reached`), and all others as they are
+    or there, too; far from noise some shares of the way, since much bends there.
     """
-    sized = [name for trial in proposal.added for name in trial.sized]
-    first = {name: idle(name, values) for name in sized}
-    starts = [
-        {**values, **proposal.start, **{name: at + share * (proposal.start[name] - at) for name, at in first.items()}}
-        for share in SHARES
-    ]
+    added = {name: reached[name] for trial in proposal.added for name in trial.names if name in reached}
+    starts = [{**values, **added}, *([{**values, **reached}] if added.keys() != reached.keys() else [])]
+    if current.excess > NEAR_NOISE:
+        first = {name: idle(name, values) for trial in proposal.added for name in trial.sized}
+        ways = {name: (at, added[name] - at) for name, at in first.items()}
+        shares = SHARES if ways else ()
+        starts += [{**starts[0], **{name: at + share * way for name, (at, way) in ways.items()}} for share in shares]
+    return starts
+
+
+def nearest(current: Fit, starts: Sequence[Values]) -> Values:
+    """Of places where a fit may begin that which leaves least, in the noise of another."""
+    if len(starts) == 1:
+        return starts[0]
     weighed = [current.weighing(stack) for stack in stacks(current.balance, starts)]
     return min(zip(starts, weighed, strict=True), key=lambda pair: float(pair[1] @ pair[1]))[0]
 
@@ -104,9 +116,31 @@ def declared_again(values: Values, dropped: Collection[str], declared: Values) -
 
 def without_effects(found: Fit, taken: Effects, ask: Asked) -> Fit:
     """The fit without its effects, by the same noise; itself if it has none."""
-    if not taken:
-        return found
-    return fitted_with(found, taken, Proposal((), tuple(taken), 0.0, 0.0, {}), ask)
+    return fitted_without(found, taken, tuple(taken), ask) if taken else found
+
+
+def fitted_without(current: Fit, taken: Effects, dropped: Collection[str], ask: Asked) -> Fit:
+    """The fit without some of its effects, by the same noise."""
+    away = {effect: away_of(current, taken[effect], ask) for effect in dropped}
+    return fitted_with(current, taken, Outlook(current, {}).proposal((), away, 0.0), ask)
+
+
+def away_of(current: Fit, own: Collection[str], ask: Asked) -> dict[int, float]:
+    """How far the unknowns of an effect are from where it does nothing."""
+    known = {**NEUTRAL, **ask.declared}
+    away = {}
+    for i, searched in enumerate(current.unknowns):
+        if searched.name in own:
+            plain = searched.name.removesuffix(f"_{NEGATIVE}")
+            neutral = (
+                current.values[plain]
+                if plain != searched.name and plain in current.values
+                else known.get(searched.name, 0.0)
+            )
+            if searched.logarithmic and neutral <= 0.0:
+                continue
+            away[i] = searched.place(neutral) - current.places[i]
+    return away
 
 
 def is_estimated(found: Fit, balance: Balance) -> bool:

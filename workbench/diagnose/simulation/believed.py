@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit
-from workbench.diagnose.selection.likelihood import Proposal, gained, left_by
+from workbench.diagnose.selection.likelihood import gained, left_by
 from workbench.diagnose.selection.search import LEVEL, Found
-from workbench.diagnose.selection.sets import Asked, fitted_with
+from workbench.diagnose.selection.sets import Asked, fitted_without
 from workbench.diagnose.selection.unexplained import Dependence
 from workbench.diagnose.simulation.fits import NOISE
 from workbench.diagnose.simulation.lacking import Lacking, dependence_of, lacking
@@ -65,7 +65,7 @@ def strong_of(found: Found, lacks: Dependence, without: Fit, ask: Asked) -> Foun
     ordered = sorted(gains, key=lambda effect: -gains[effect])
     for count in range(1, min(len(ordered), len(found.effects) - 1) + 1):
         weak = tuple(effect for effect in found.effects if effect not in ordered[:count])
-        alone = ask.settled(fitted_with(found.fit, found.effects, Proposal((), weak, 0.0, 0.0, {}), ask))
+        alone = ask.settled(fitted_without(found.fit, found.effects, weak, ask))
         if alone.excess < NOISE and without.excess > STRONG * alone.excess:
             kept = {effect: own for effect, own in found.effects.items() if effect not in weak}
             return replace(

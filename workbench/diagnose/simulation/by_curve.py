@@ -18,9 +18,9 @@ from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Values
 from workbench.diagnose.selection.balance_curves import HIGHEST, CurveFit
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, gained, left_by
-from workbench.diagnose.selection.search import LEVEL, away_of
+from workbench.diagnose.selection.search import LEVEL
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import Asked, declared_again, fitted_with, is_estimated
+from workbench.diagnose.selection.sets import Asked, away_of, declared_again, fitted_with, is_estimated
 from workbench.diagnose.selection.trials import seen_of, together, trials_of
 from workbench.diagnose.selection.unexplained import (
     Dependence,

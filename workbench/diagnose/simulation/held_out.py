@@ -17,9 +17,8 @@ from plants.effects.registry import effects
 from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.residuals.unknowns import Bounds
-from workbench.diagnose.selection.likelihood import Proposal
 from workbench.diagnose.selection.search import LEVEL
-from workbench.diagnose.selection.sets import fitted_with
+from workbench.diagnose.selection.sets import fitted_without
 from workbench.diagnose.simulation.fits import NOISE, Fitting, begun
 from workbench.diagnose.simulation.reached import SimulationStart, asked_of
 from workbench.diagnose.simulation.setup import as_simulated
@@ -80,9 +79,7 @@ def without_refuted(
     there = records.left_by(current)
     while asked := [effect for effect in kept if not swings_by_itself(effect)]:
         fewer = side_by_side(
-            lambda effect, current=current, kept=dict(kept): ask.settled(
-                fitted_with(current, kept, Proposal((), (effect,), 0.0, 0.0, {}), ask)
-            ),
+            lambda effect, current=current, kept=dict(kept): ask.settled(fitted_without(current, kept, (effect,), ask)),
             asked,
         )
         rivals = side_by_side(records.left_by, fewer)

@@ -16,9 +16,9 @@ from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.fit import QUICK, Fit, fit
 from workbench.diagnose.residuals.motion import signals_of
 from workbench.diagnose.selection.likelihood import asked, gained, left_by
-from workbench.diagnose.selection.search import LEVEL, away_of
+from workbench.diagnose.selection.search import LEVEL
 from workbench.diagnose.selection.selection import Effects
-from workbench.diagnose.selection.sets import Asked, declared_again
+from workbench.diagnose.selection.sets import Asked, away_of, declared_again
 from workbench.diagnose.simulation.fits import settle
 from workbench.diagnose.simulation.lacking import CERTAIN, Lacking
 from workbench.diagnose.simulation.own_curves import OwnCurve, curves_of, flat_curve, simulated_motion
