@@ -11,6 +11,7 @@ from driven import driven_experiment
 from experiments import AXIAL, CURVE, LINE, axial_record, experiment_text, identify, make_record
 
 from workbench.identify.identification import identify as run_identification
+from workbench.identify.readiness import method_of
 from workbench.identify.thesis import method as thesis_method
 from workbench.identify.thesis.method import Estimate
 from workbench.parameters.sets import read_parameters
@@ -41,6 +42,7 @@ def test_a_wrong_gain_is_an_error_and_no_result(tmp_path: Path) -> None:
     frame.to_parquet(tmp_path / "record.parquet")
     answer = identify(tmp_path, experiment_text({"coulomb": 0.9}, ["coulomb"]), "simulation")
     fails(answer, "plant non_rotating does not follow ", "record.parquet: position is off by", "is a sign or a unit in")
+    assert f"or does the plant lack something? workbench diagnose {tmp_path}" in answer.err
     assert not (tmp_path / "out").exists()
 
 
@@ -169,6 +171,19 @@ def test_a_damping_far_from_the_thesis_rule_is_told(tmp_path: Path, monkeypatch:
 
 def checked(folder: Path, text: str) -> Answer:
     return workbench("check", write(folder, text, "experiment.toml"))
+
+
+@pytest.mark.parametrize(
+    ("said", "pressures", "expected"),
+    [("", True, "both"), ("", False, "simulation"), ("thesis", False, "thesis"), ("simulation", True, "simulation")],
+)
+def test_without_a_method_it_is_what_the_channels_show(
+    tmp_path: Path, said: str, pressures: bool, expected: str
+) -> None:
+    text = AXIAL.replace('method = "thesis"', f'method = "{said}"' if said else "")
+    path = tmp_path / "experiment.toml"
+    path.write_text(text if pressures else text.replace('pressure_2 = { column = "pressure_2", unit = "Pa" }', ""))
+    assert method_of(read_experiment(path)) == expected
 
 
 @pytest.mark.parametrize(

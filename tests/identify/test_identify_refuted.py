@@ -17,7 +17,7 @@ from workbench.fitting.replay import observe_all
 from workbench.identify.simulation import starts, uncertain
 from workbench.identify.simulation.expected import noise_level, resolution, rounding_error
 from workbench.identify.simulation.method import identify_by_simulation
-from workbench.identify.simulation.problem import Problem, make_problem
+from workbench.identify.simulation.problem import DIVERGED, Problem, make_problem
 from workbench.parameters.corrected import Entry, parameter_file
 from workbench.parameters.sets import build, read_deviations
 from workbench.records.experiment import read_experiment
@@ -157,6 +157,18 @@ def test_other_starts_are_spread_about_the_declared_values_and_the_best_come_fir
     assert sums == sorted(sums)
     assert sums[0] < starts.left(problem, np.zeros(len(problem.free)))
     assert [each.tolist() for each in starts.others(problem)] == [each.tolist() for each in found], "seeded"
+
+
+def test_no_sensor_explains_a_plant_that_diverges(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else a search from several starts ends at one that cannot be: an offset takes away what is always the same."""
+    save_record(tmp_path / "record.parquet", moved(duration=2.0), seed=3)
+    problem = problem_of(tmp_path, {"coulomb": 2.0}, ["coulomb", "viscous"])
+    theta = np.zeros(len(problem.free))
+    follows = starts.left(problem, theta)
+    lost = np.full(problem.measured.size, np.nan)
+    monkeypatch.setattr(Problem, "simulated", lambda *_: lost)
+    assert starts.left(problem, theta) > max(follows, 0.5 * DIVERGED**2 * lost.size)
+    assert not problem.can_be(theta)
 
 
 def test_samples_of_a_slow_log_may_be_old_and_those_of_a_quick_one_are_not(tmp_path: Path) -> None:

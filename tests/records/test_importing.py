@@ -322,6 +322,9 @@ def test_low_pressures_are_those_of_air(
         ("n_Pumpe", "pump_speed"),
         ("x", "position"),
         ("vir", "command"),
+        ("Force cmd", "command"),
+        ("tau_cmd", "command"),
+        ("Force_cmd_fb", "force"),
     ],
 )
 def test_names_of_channels(name: str, channel: str) -> None:

@@ -52,7 +52,7 @@ def _commands(content: Experiment, there: Sequence[Record]) -> tuple[list[str], 
     Raises:
         UserError: it serves none.
     """
-    given = METHODS[:2] if content.method == "both" else (content.method,)
+    given = METHODS[:2] if content.method in (None, "both") else (content.method,)
     methods = {f"identify --method {method}": _why(content, _identify(content, there, method)) for method in given}
     if len(set(methods.values())) == 1:
         methods = {"identify": next(iter(methods.values()))}

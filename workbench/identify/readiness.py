@@ -14,6 +14,11 @@ MARKS = "*?["
 """What makes a file's name a pattern."""
 
 
+def method_of(experiment: Experiment) -> str:
+    """The method that the experiment says, else both, or simulation alone where no channel shows friction."""
+    return experiment.method or ("both" if _shows_friction(experiment) else "simulation")
+
+
 def check_experiment(experiment: Experiment, method: str) -> None:
     """What the file alone shows: nothing to fit, no record for it, channels that do not serve the method.
 
@@ -82,13 +87,17 @@ def check_pattern(experiment: Experiment) -> None:
 
 
 def _check_thesis_channels(experiment: Experiment) -> None:
-    known = experiment.channels
-    if not any(all(name in known for name in names) for names in SHOWING):
-        lacking = [name for name in AXIAL if name not in known]
+    if not _shows_friction(experiment):
+        lacking = [name for name in AXIAL if name not in experiment.channels]
         raise UserError(
             f"{experiment.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, "
-            f"or rotation_speed and motor_current; add {' and '.join(lacking)} to [channels], or take method simulation"
+            f"or rotation_speed and motor_current; add {' and '.join(lacking)} to [channels], or take method "
+            "simulation: --method simulation"
         )
+
+
+def _shows_friction(experiment: Experiment) -> bool:
+    return any(all(name in experiment.channels for name in names) for names in SHOWING)
 
 
 def _check_simulation_channels(experiment: Experiment) -> None:

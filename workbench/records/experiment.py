@@ -88,7 +88,7 @@ class Experiment:
     values: Mapping[str, float]
     free: tuple[str, ...] | None
     bounds: Mapping[str, tuple[float, float]]
-    method: str
+    method: str | None
     channels: Mapping[str, ChannelSpec]
     accuracies: Mapping[str, float]
     records: tuple[RecordSpec, ...]

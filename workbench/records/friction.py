@@ -83,7 +83,7 @@ def friction_of(record: Record, experiment: Experiment) -> Slow:
     if showing is None:
         raise UserError(
             f"{record.path}: the thesis's method needs position, pressure_1 and pressure_2, or position and force, or "
-            "rotation_speed and motor_current; add the channels, or take --method simulation"
+            "rotation_speed and motor_current; add the channels, or take method simulation: --method simulation"
         )
     if lacking := _lacking(showing, values):
         raise UserError(f"{record.path}: {lacking}")

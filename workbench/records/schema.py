@@ -108,8 +108,9 @@ class FitTable(files.Strict):
 
     free: list[str] | None = None
     """Names of what is fitted; by default friction, in the directions of the records."""
-    method: Method = "both"
-    """How `workbench identify` finds parameters; `--method` takes another."""
+    method: Method | None = None
+    """How `workbench identify` finds parameters; `--method` takes another. By default both ways, or by simulation
+    alone where no channel shows friction."""
     bounds: dict[str, Bound] = {}
     """By parameter; they may also stand right in [fit], under the parameter's name."""
 

@@ -136,7 +136,10 @@ def check_followed(problem: Problem, theta: np.ndarray) -> None:
     moving = moving or list(seen)
     if moving and all(name in lost for name in moving):
         _, worst = max(lost[moving[0]])
-        raise UserError(f"plant {problem.experiment.plant.name} {worst}; is a sign or a unit in [channels] wrong?")
+        raise UserError(
+            f"plant {problem.experiment.plant.name} {worst}; is a sign or a unit in [channels] wrong, "
+            f"{_or_lacks(problem)}"
+        )
 
 
 def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[str, float]) -> None:
@@ -150,8 +153,13 @@ def check_better(problem: Problem, before: Mapping[str, float], after: Mapping[s
         raise UserError(
             f"{problem.experiment.path}: the fit does not follow the records, {name} worse than as declared "
             f"({_number(problem, name, after[name])} rms, before {_number(problem, name, before[name])}); "
-            "is a sign, a unit or a bound wrong?"
+            f"is a sign, a unit or a bound wrong, {_or_lacks(problem)}"
         )
+
+
+def _or_lacks(problem: Problem) -> str:
+    """The other question where a plant does not follow its records, and who answers it."""
+    return f"or does the plant lack something? workbench diagnose {problem.experiment.path} looks for it"
 
 
 def refuted(rms: Mapping[str, float], noise: Mapping[str, float]) -> str:

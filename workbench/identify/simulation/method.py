@@ -164,10 +164,11 @@ def _as_driven(problem: Problem, theta: np.ndarray) -> tuple[Problem, np.ndarray
     if not problem.free or any(item.of.sample_time > SLOW for item in problem.observed):
         return problem, theta
     other = problem.with_command_held()
-    other.describe_sensors(theta)
-    found = solve(other, theta, rough=True)
-    if starts.left(other, found) < starts.left(problem, theta) - CLEARLY:
-        return other, found
+    if other.can_be(theta):
+        other.describe_sensors(theta)
+        found = solve(other, theta, rough=True)
+        if starts.left(other, found) < starts.left(problem, theta) - CLEARLY:
+            return other, found
     problem.forget()
     return problem, theta
 

@@ -36,7 +36,9 @@ STEP = 1e-2
 integrator's own error, which then looks like information about parameters that have hardly any effect."""
 
 DIVERGED = 1e6
-"""Weighted error of a sample that a diverged simulation does not reach."""
+"""Weighted error of a sample that a diverged simulation does not reach, of either sign in turn: no error of a sensor
+explains it.
+"""
 
 KEPT = 200
 """Simulations that are kept; of many records some of each."""
@@ -193,13 +195,13 @@ class Problem:
         return [np.concatenate([part for parts in each for part in parts]) for each in zip(*outputs, strict=True)]
 
     def errors(self, theta: np.ndarray, others: Mapping[str, float] = NONE) -> np.ndarray:
-        """Weighted measured - simulated, 0 over gaps; `DIVERGED` where the plant diverges."""
+        """Weighted measured - simulated, 0 over gaps; `DIVERGED`, or less that, where the plant diverges."""
         return self._errors_of(self.simulated(theta, others))
 
     def _errors_of(self, simulated: np.ndarray) -> np.ndarray:
         difference = (self.measured - simulated) * self.weights
         difference[~np.isfinite(self.measured)] = 0.0
-        return np.nan_to_num(difference, nan=DIVERGED)
+        return np.where(np.isfinite(difference), difference, np.resize((DIVERGED, -DIVERGED), difference.size))
 
     def jacobian(self, theta: np.ndarray, *, rough: bool = False) -> np.ndarray:
         """d errors / d theta, shape (samples, free): central differences, or rough, one-sided ones."""
@@ -240,14 +242,17 @@ class Problem:
         Raises:
             UserError: the plant diverges there.
         """
-        self.forget()
-        simulated = self.simulated(theta)
-        if not np.all(np.isfinite(simulated)):
+        if not self.can_be(theta):
             raise UserError(
                 f"{self.experiment.path}: plant {self.experiment.plant.name} with these parameters diverges on the "
                 "records; start from others with [plant.set]"
             )
-        self.nuisance, self.sensors = columns(self.observed, simulated, self.experiment.accuracies)
+        self.nuisance, self.sensors = columns(self.observed, self.simulated(theta), self.experiment.accuracies)
+
+    def can_be(self, theta: np.ndarray) -> bool:
+        """Whether no output diverges, simulated at `theta` from now on."""
+        self.forget()
+        return bool(np.all(np.isfinite(self.simulated(theta))))
 
     @property
     def weighted_nuisance(self) -> np.ndarray:

@@ -49,6 +49,9 @@ REFERENCE = _set(
 MEASURED = _set("ist actual act meas measured istwert mesure misurata medida fb feedback m")
 
 
+COMMANDED = _set("cmd command commanded befehl commande comando")
+"""Words by which a force, a torque or a current is what the axis was told, and no sensor's."""
+
 MOST_WORDS = 40
 """Of a name, that are looked at."""
 
@@ -88,6 +91,8 @@ def _scores(name: str) -> dict[str, float]:
                 found[channel] = found.get(channel, 0.0) + 2.0
         if not any(channel in found for channel in SIDES):
             found["pressure_1"] = 1.0
+    if COMMANDED & set(words) and not MEASURED & set(words) and {"force", "torque", "motor_current"} & set(found):
+        found["command"] = found.get("command", 0.0) + 2.0
     for strong in ("valve_voltage", "pump_speed"):  # a pump's speed, a valve's command
         if strong in found:
             found[strong] += 1.0
