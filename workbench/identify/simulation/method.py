@@ -31,6 +31,11 @@ AS_HELD = "The command is held from sample to sample: the plant follows better t
 CLEARLY = 10.0
 """Sum of squares, in those of the noise, by which a command that is held has to leave less than straight lines."""
 
+MOST_WEIGHINGS, FAR_LESS = 3, 0.7
+"""Times that a fit is weighed by what it leaves, at most, and share of an output's rms that the start left up to which
+it is weighed once more.
+"""
+
 MOST_REFINEMENTS = 2
 """Times that the step of integration is halved because a fit would take its error for information."""
 
@@ -86,9 +91,7 @@ def identify_by_simulation(
     standing: Standing | None = None
     refinements = 0
     while True:
-        problem.describe_sensors(theta)
-        length = _reweight(problem, theta)
-        theta = solve(problem, theta)
+        theta, length = _solved(problem, theta)
         jacobian = _whole_jacobian(problem, theta)
         cov = covariance_of(problem, theta, jacobian, problem.left(theta)[0], length)
         if not problem.free:
@@ -178,6 +181,22 @@ def _without(problem: Problem, theta: np.ndarray, names: Mapping[str, object]) -
     keep = [i for i, name in enumerate(problem.free) if name not in names]
     problem.free = [problem.free[i] for i in keep]
     return theta[keep]
+
+
+def _solved(problem: Problem, theta: np.ndarray) -> tuple[np.ndarray, int]:
+    """The best unknowns by the weights of what they leave, and its memory (samples): by those of a start that left far
+    more nothing is known of noise.
+    """
+    before = rms_at(problem, theta)
+    for _ in range(MOST_WEIGHINGS):
+        problem.describe_sensors(theta)
+        length = _reweight(problem, theta)
+        theta = solve(problem, theta)
+        after = rms_at(problem, theta)
+        if all(after[name] > FAR_LESS * before[name] for name in before):
+            break
+        before = after
+    return theta, length
 
 
 def _reweight(problem: Problem, theta: np.ndarray) -> int:
