@@ -99,6 +99,14 @@ def test_every_parameter_set_is_in_order(path: Path) -> None:
     assert answer.out.startswith(f"{path}: a parameter set of ")
 
 
+def test_what_a_parameter_set_lacks_is_said_of_plants_that_are_near_to_it_alone() -> None:
+    lines = workbench("check", named_sets()["canudas1995"]).out.splitlines()
+    assert lines[1].startswith("  serves drive_force")
+    assert "  does not serve drive_voltage: the parameter set lacks force_gain" in lines
+    assert lines[-1].startswith("  lacks more than 6 parameters of non_rotating, ")
+    assert sum("lacks" in line for line in lines[2:]) == len(lines) - 2
+
+
 def test_check_says_what_a_study_would_do(tmp_path: Path) -> None:
     path = write(tmp_path, STUDY + "[cases.a]\n[cases.b]\naxes = {}\n")
     expected = "a study for tests\n  case: a, b\n  rpm: 0, 460\n  3 cases, 3 s of simulated time\n"

@@ -87,6 +87,9 @@ UNEQUAL = frozenset({"dead_volume_1", "pump_displacement"})
 
 BELOW_ONE = {"elastic_share"}
 
+NEAR = 6
+"""Parameters that a set may lack of a plant, at most, to be told of which."""
+
 LEAST_SHARE = 0.1
 """A drawn parameter is at least this share of its value: friction of the wrong sign, or next to none, is redrawn."""
 
@@ -298,31 +301,42 @@ def build(cls: type[NumbersT], values: Mapping[str, float], flow: str = "derived
         UserError: parameters are missing, or the values do not fit together.
     """
     available = {**values, FLOW_SHARE: FLOW_LAWS[flow]}
-    numbers, missing = [], []
+    numbers = _numbers(cls, available)
+    known = [number for number in numbers.values() if number is not None]
+    if len(known) < len(numbers):
+        raise UserError(f"the parameter set lacks {few_of(_missing(numbers))}")
+    _check_together(available, list(numbers))
+    return from_array(cls, known)
+
+
+def _numbers(cls: type[NumbersT], available: Mapping[str, float]) -> dict[str, float | None]:
+    """Each parameter of a plant class; None where nothing gives it."""
+    numbers = dict[str, float | None]()
     for item in fields(cls):
         number = available.get(item.name)
-        if number is None:
-            number = available.get(plain_name(item.name), item.default)
-        if number is None:
-            missing.append(item.name)
-        else:
-            numbers.append(number)
-    if missing:
-        needed = dict.fromkeys(map(plain_name, missing))
-        raise UserError(f"the parameter set lacks {few_of(needed)}")
-    _check_together(available, [item.name for item in fields(cls)])
-    return from_array(cls, numbers)
+        numbers[item.name] = available.get(plain_name(item.name), item.default) if number is None else number
+    return numbers
+
+
+def _missing(numbers: Mapping[str, float | None]) -> list[str]:
+    """The parameters that nothing gives, each once for both directions."""
+    return list(dict.fromkeys(plain_name(name) for name, number in numbers.items() if number is None))
 
 
 def serves(values: Mapping[str, float]) -> list[str]:
-    """In words, which plants along their axis can be built from these values, and what is missing for the others."""
-    axis = axis_of(values)
+    """In words, which plants along their axis can be built from these values, and what is missing for those that are
+    near to it.
+    """
+    axis, far = axis_of(values), list[str]()
     found: dict[str | None, list[str]] = {None: []}
     for plant in plants().values():
         if plant.axis == axis:
-            found.setdefault(lacks(plant, values), []).append(plant.name)
+            missing = _missing(_numbers(plant.Parameters, {**values, FLOW_SHARE: 0.0}))
+            own = far if len(missing) > NEAR else found.setdefault(lacks(plant, values), [])
+            own.append(plant.name)
     able = ", ".join(found.pop(None)) or "no plant"
-    return [f"serves {able}", *(f"does not serve {', '.join(names)}: {why}" for why, names in found.items())]
+    lines = [f"serves {able}", *(f"does not serve {', '.join(names)}: {why}" for why, names in found.items())]
+    return [*lines, *([f"lacks more than {NEAR} parameters of {', '.join(far)}"] if far else [])]
 
 
 def lacks(plant: Plant, values: Mapping[str, float]) -> str | None:
