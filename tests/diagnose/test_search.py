@@ -139,6 +139,25 @@ def test_what_an_effect_carried_falls_to_the_own_parameters_without_it(times: fl
     assert found.rms < 1.1
 
 
+def winding(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A load, and a force that is none again after a full turn."""
+    turn = np.sin(2.0 * np.pi * values.get("spring_stiffness", 0.0) / TURN)
+    return np.asarray(100.0 * turn * motion.position / 0.02 + values["load_force"])
+
+
+@pytest.mark.parametrize(("spring", "kept"), [(TURN, []), (0.2 * TURN, ["spring_load"])])
+def test_an_effect_that_was_given_goes_where_as_little_is_left_without(spring: float, kept: list[str]) -> None:
+    """By what a fit without it leaves: first order says that much would be lost."""
+    truth = {"load_force": 2.0, "spring_stiffness": spring}
+    balance = made_balance([made_motion()], winding, truth, effects=("spring_load",))
+    balance = replace(balance, name=SIMULATION)
+    found = fit(balance, truth, [*truth], None, EXACT)
+    ended = search(found, {"spring_load": ("spring_stiffness",)}, asked({}))
+    assert list(ended.effects) == kept
+    assert ended.steps[0].dropped == (() if kept else ("spring_load",))
+    assert ended.fit.rms == pytest.approx(found.rms, rel=1e-2)
+
+
 SIZES = {
     "load_force": 3.0,
     "spring_stiffness": 200.0,

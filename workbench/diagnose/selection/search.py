@@ -13,9 +13,9 @@ import numpy as np
 
 from plants.effects.registry import effects as registered
 from workbench.diagnose.residuals.balance import SIMULATION
-from workbench.diagnose.residuals.fit import Fit, again, fit
+from workbench.diagnose.residuals.fit import NEAR_NOISE, Fit, again, fit
 from workbench.diagnose.selection.judging import choose
-from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of, own_noise
+from workbench.diagnose.selection.likelihood import Outlook, Proposal, effects_of, gained, left_by, own_noise
 from workbench.diagnose.selection.selection import Candidate, Effects, Step
 from workbench.diagnose.selection.sets import (
     FAR,
@@ -25,6 +25,7 @@ from workbench.diagnose.selection.sets import (
     away_of,
     declared_again,
     fitted_with,
+    fitted_without,
     is_estimated,
     nearest,
     numbers_of,
@@ -113,6 +114,12 @@ def search(start: Fit, effects: Effects, ask: Asked) -> Found:
                 current, fits = nearer, {}
             elif ask.shapes:  # which another residual showed best: what it did not show may have others
                 ask = replace(ask, shapes={})
+            elif (idle := _idle(current, taken, effects, ask)) is not None:
+                effect, fewer = idle
+                steps.append(Step(current, candidates, (), (effect,)))
+                current, fits = fewer, {}
+                taken = {name: own for name, own in taken.items() if name != effect}
+                seen[numbers_of(taken)] = current.rms
             else:
                 steps.append(Step(current, candidates))
                 break
@@ -147,6 +154,27 @@ def _best_shapes(outlook: Outlook) -> dict[str, list[Shape]]:
     for (effect, _), (_, shape) in best.items():
         found.setdefault(effect, []).append(shape)
     return found
+
+
+def _idle(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str, Fit] | None:
+    """An effect without which a fit near noise leaves no more than it costs, and that fit; None where there is none.
+
+    First order tells too much of one that bends, or jumps as a dry friction does. One that a search has added alone was
+    held against the plant without it then; one that was `given` to it, or stands beside others, was not.
+    """
+    if current.excess > NEAR_NOISE:
+        return None
+    asked = [effect for effect in taken if effect in given or len(taken) > 1]
+    fits = side_by_side(lambda effect: fitted_without(current, taken, [effect], ask), asked)
+    prices = [ask.of(effect, taken[effect], current.balance) for effect in asked]
+    lost = [0.5 * (fewer.squares - current.squares) - price for fewer, price in zip(fits, prices, strict=True)]
+    for _, effect, fewer, price in sorted(zip(lost, asked, fits, prices, strict=True), key=lambda one: one[0]):
+        if 0.5 * (fewer.squares - current.squares) > price:
+            break
+        settled = ask.settled(fewer)
+        if gained(current.balance, left_by(current), left_by(settled)) < price:
+            return effect, settled
+    return None
 
 
 def _simplest(current: Fit, taken: Effects, ask: Asked) -> tuple[Fit, Effects]:
