@@ -168,10 +168,10 @@ def _idle(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str
     fits = side_by_side(lambda effect: fitted_without(current, taken, [effect], ask), asked)
     prices = [ask.of(effect, taken[effect], current.balance) for effect in asked]
     lost = [0.5 * (fewer.squares - current.squares) - price for fewer, price in zip(fits, prices, strict=True)]
-    for _, effect, fewer, price in sorted(zip(lost, asked, fits, prices, strict=True), key=lambda one: one[0]):
-        if 0.5 * (fewer.squares - current.squares) > price:
+    for i in np.argsort(lost).tolist():
+        if lost[i] > 0.0:
             break
-        settled = ask.settled(fewer)
+        effect, price, settled = asked[i], prices[i], ask.settled(fits[i])
         if gained(current.balance, left_by(current), left_by(settled)) < price:
             return effect, settled
     return None
