@@ -62,15 +62,15 @@ def motions_of(experiment: Experiment, records: Sequence[Record]) -> list[Motion
     taken: list[str] = []
     motions = []
     for pieces in by_log(records):
-        made = [motion_of(piece) for piece in pieces]
-        lacks = [_lacks(motion) for motion in made]
-        if all(lacks):
-            raise UserError(f"{pieces[0].path}: {max(lacks, key=len) if len(lacks) > 1 else lacks[0]}")
+        made = [_motion_or_lack(piece) for piece in pieces]
+        lacks = [one for one in made if isinstance(one, str)]
+        if len(lacks) == len(made):
+            raise UserError(f"{pieces[0].path}: {max(lacks, key=len)}")
         check_opposes(pieces, experiment)
-        notes = [note for piece, lack in zip(pieces, lacks, strict=True) if lack for note in piece.notes]
-        notes += [f"{sum(map(bool, lacks))} of {len(pieces)} pieces are not diagnosed: they say nothing"] * any(lacks)
-        for motion, lack in zip(made, lacks, strict=True):
-            if not lack:
+        notes = [note for piece, one in zip(pieces, made, strict=True) if isinstance(one, str) for note in piece.notes]
+        notes += [f"{len(lacks)} of {len(pieces)} pieces are not diagnosed: they say nothing"] * bool(lacks)
+        for motion in made:
+            if isinstance(motion, Motion):
                 taken.append(_unique(motion.record.name, taken))
                 told, notes = (*motion.record.notes, *notes), []
                 motions.append(replace(motion, record=replace(motion.record, label=taken[-1], piece=0, notes=told)))
@@ -83,17 +83,29 @@ def _unique(label: str, taken: Sequence[str]) -> str:
     return next(name for name in (label, *numbered) if name not in taken)
 
 
-def _lacks(motion: Motion) -> str:
-    """Why a record says nothing: it is too short for smoothing, or nothing moves on it; empty where it does."""
-    known = float(np.sum(motion.valid)) * motion.sample_time
-    if known < SHORTEST:
-        return (
-            f"{known:.3g} s without ends and gaps are too little for a diagnosis; expected at least {SHORTEST:g} s, "
-            "and better 40 s"
-        )
+def _motion_or_lack(piece: Record) -> Motion | str:
+    """The motion of a piece of a record, or why that says nothing: it is too short for smoothing, which of milliseconds
+    would be over many samples, or nothing moves on it.
+    """
+    if short := _too_short(piece.valid, piece.sample_time):
+        return short
+    motion = motion_of(piece)
+    if short := _too_short(motion.valid, piece.sample_time):
+        return short
     if motion.has("position") and np.ptp(motion.position[motion.valid]) < MOVES * motion.noise["position"]:
         return "nothing moves beyond the position's noise; expected a record in which the rod slides"
-    return ""
+    return motion
+
+
+def _too_short(valid: np.ndarray, sample_time: float) -> str:
+    """Why so many samples are too few, empty where they are not."""
+    known = float(np.sum(valid)) * sample_time
+    if known >= SHORTEST:
+        return ""
+    return (
+        f"{known:.3g} s without ends and gaps are too little for a diagnosis; expected at least {SHORTEST:g} s, "
+        "and better 40 s"
+    )
 
 
 def _check_free(experiment: Experiment, declared: Values, balances: Sequence[Diagnosed]) -> None:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter1d
-from scipy.signal import lfilter
+from scipy.signal import oaconvolve
 
 from workbench.records.reading import Record
 from workbench.records.sampling.sight import FEWEST, window_points
@@ -46,6 +46,9 @@ blurred else, and nothing is left to judge."""
 
 THROUGHOUT = 0.9
 """Share of a record from which it is blurred throughout."""
+
+WIDE = 500
+"""Points of a window from which its sums are made by Fourier transforms, whose time hardly grows with it."""
 
 DIFFERENTIATED = ("pressure_1", "pressure_2", "rotation_speed", "motor_current")
 """Channels that show a state of which a balance gives the rate."""
@@ -226,7 +229,14 @@ def smoothed(values: np.ndarray, points: int, order: int = 0, sample_time: float
     kernel = _kernel(points, order, sample_time)
     reach = min(kernel.size // 2, values.size - 1)
     padded = np.pad(values, reach, mode="reflect", reflect_type="odd")
-    return np.asarray(convolve1d(padded, kernel, mode="nearest")[reach : reach + values.size])
+    return _weighed(padded, kernel)[reach : reach + values.size]
+
+
+def _weighed(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """The sum of weighed values about each of them."""
+    if kernel.size < WIDE:
+        return np.asarray(convolve1d(values, kernel, mode="nearest"))
+    return np.asarray(oaconvolve(values, kernel, mode="same"))
 
 
 def _kernel(points: int, order: int = 0, sample_time: float = 1.0) -> np.ndarray:
@@ -270,9 +280,7 @@ def motion_of(record: Record) -> Motion:
         known = np.isfinite(values)
         bridged[name] = np.interp(places, places[known], values[known])
     reach = points // 2 + REACH
-    valid = lfilter(np.ones(2 * reach + 1), 1.0, (~record.valid).astype(float))
-    whole = np.concatenate([valid[reach:], np.ones(reach)]) == 0.0
-    whole[:reach] = False
+    whole = maximum_filter1d((~record.valid).astype(np.uint8), 2 * reach + 1, mode="constant", cval=1) == 0
     zeros = np.zeros(record.time.size)
     position = bridged.get("position", zeros)
     channels = {name: smoothed(values, points) for name, values in bridged.items()}
