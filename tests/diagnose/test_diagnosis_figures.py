@@ -17,8 +17,7 @@ from workbench.diagnose.report.figures.evidence import (
 from workbench.diagnose.report.figures.parameters import draw_parameters, parameters_data
 from workbench.diagnose.report.figures.simulation import _compared, _kept, simulation_data
 from workbench.diagnose.report.series import autocorrelation, binned, parts_of, shown_signals
-from workbench.diagnose.residuals.unknowns import Values
-from workbench.diagnose.result import Diagnosis
+from workbench.diagnose.result import BeforeAfter, Diagnosis
 from workbench.diagnose.simulation.free_run import SETTLED
 
 
@@ -58,19 +57,18 @@ def test_before_and_after_have_scales_of_their_own(diagnosis: Diagnosis) -> None
 def test_the_simulated_curves_are_of_the_plants_whose_errors_are_told(diagnosis: Diagnosis) -> None:
     """Far from noise these are fits to free runs: 8 mm was drawn where 1.84 mm stood in the table."""
     assert diagnosis.simulation is not None
-    assert diagnosis.errors.runs is not None
-    before, after = diagnosis.errors.runs
+    errors = diagnosis.errors
 
-    def drawn(runs: tuple[Values, Values]) -> list[float]:
-        of = replace(diagnosis, errors=replace(diagnosis.errors, runs=runs))
-        (fitted, *_) = simulation_data(of, of.simulation).records
-        (position, *_) = fitted.quantities
+    def drawn(fitted: BeforeAfter) -> list[float]:
+        of = replace(diagnosis, errors=replace(errors, fit=fitted))
+        (record, *_) = simulation_data(of, of.simulation).records
+        (position, *_) = record.quantities
         off = [(position.measured - position.simulated[side])[SETTLED:] for side in ("before", "after")]
         return [float(np.sqrt(np.mean(one**2))) / 1e3 for one in off]  # drawn in mm
 
-    told = [diagnosis.errors.fit.before.position, diagnosis.errors.fit.after.position]
-    assert drawn((before, after)) == pytest.approx(told, rel=1e-6)
-    assert drawn((after, before)) == pytest.approx(told[::-1], rel=1e-6)
+    told = [errors.fit.before.position, errors.fit.after.position]
+    assert drawn(errors.fit) == pytest.approx(told, rel=1e-6)
+    assert drawn(BeforeAfter(errors.fit.after, errors.fit.before)) == pytest.approx(told[::-1], rel=1e-6)
 
 
 def test_a_figure_says_what_keeps_the_plant_beside_its_record(diagnosis: Diagnosis) -> None:

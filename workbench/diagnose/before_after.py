@@ -52,7 +52,7 @@ def errors_of(
     own = None
     if simulation is not None and not simulation.is_trusted and _drifts(fitted.after, tested.after):
         own = _own_fits(experiment, simulation, held_out)
-    found = ErrorsByUse(fitted, tested, own, runs=runs)
+    found = ErrorsByUse(fitted, tested, own)
     if simulation is not None and _is_far(simulation):
         found = replace(found, written=_as_written(experiment, simulation, (baseline, corrected), held_out))
     if simulation is not None and simulation.curved is not None:
@@ -88,7 +88,7 @@ def _errors(
     run = FreeRunErrors() if whole is None or simulated is None else free_run(whole, motions, simulated)
     units = {result.balance.name: result.balance.unit for result in results}
     speed, axis = _of_pump(results, motions, values), results[0].balance.axis
-    return Errors(balances, speed, run.position, run.load_pressure, axis, units)
+    return Errors(balances, speed, run.position, run.load_pressure, axis, units, run.shown)
 
 
 def _of_pump(results: Sequence[BalanceResult], motions: Sequence[Motion], values: Values) -> float | None:
@@ -155,7 +155,8 @@ def _with_curve(experiment: Experiment, by_curve: Curved, held_out: Sequence[Mot
 
 
 def _run(experiment: Experiment, run: FreeRunErrors) -> Errors:
-    return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=experiment.plant.axis)
+    axis = experiment.plant.axis
+    return Errors({}, position=run.position, load_pressure=run.load_pressure, axis=axis, shown=run.shown)
 
 
 def _freely(experiment: Experiment, simulation: SimulationStage, motions: Sequence[Motion]) -> tuple[Values, Values]:

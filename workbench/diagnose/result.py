@@ -142,10 +142,11 @@ class FittedParameter:
         return {"value": self.value, "unit": unit, "std": self.std, "identified": self.identified}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Errors:
     """Rms errors (SI) of one model on some records: residual of each balance by name, speed of a pump on plateaus,
-    position and load pressure of a free run; None where the records show none. `units` are those of the balances.
+    position and load pressure of a free run; None where the records show none. `units` are those of the balances;
+    `shown` is what the sensors would have shown in the free run of the first record, empty where none was made.
     """
 
     balances: Mapping[str, float]
@@ -154,6 +155,7 @@ class Errors:
     load_pressure: float | None = None
     axis: str = LINEAR
     units: Mapping[str, str] = field(default_factory=dict)
+    shown: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def by_key(self) -> dict[str, float]:
@@ -185,17 +187,15 @@ class ErrorsByUse:
 
     `own_parameters` are those on held-out records with the same parameters fitted to these, which nothing that differs
     between records is in, `gained` is by how much the logarithm of these records' likelihood rises with what was found;
-    None where that was not asked. `runs` are the parameters before and after by which the plant ran freely, None of a
-    plant that cannot be simulated; where these are of free runs alone, `written` are the errors of free runs, of the
-    records that were fitted and of those that were held out, with the parameters that are written. `with_curve` are
-    those of free runs with a curve that is switched on for what no effect explains.
+    None where that was not asked. Where the parameters by which the plant ran freely are of free runs alone, `written`
+    are the errors of free runs, of the records that were fitted and of those that were held out, with the parameters
+    that are written. `with_curve` are those of free runs with a curve that is switched on for what no effect explains.
     """
 
     fit: BeforeAfter
     held_out: BeforeAfter
     own_parameters: BeforeAfter | None = None
     gained: float | None = None
-    runs: tuple[Values, Values] | None = None
     written: tuple[BeforeAfter, BeforeAfter] | None = None
     with_curve: tuple[Errors, Errors] | None = None
 

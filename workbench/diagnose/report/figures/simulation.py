@@ -11,10 +11,8 @@ from matplotlib.figure import Figure
 from workbench.diagnose.report.figures.frame import WIDE, Side, legend
 from workbench.diagnose.residuals.balance import SIMULATION
 from workbench.diagnose.residuals.motion import Motion, fluctuation
-from workbench.diagnose.result import Diagnosis
-from workbench.diagnose.simulation.fits import begun
+from workbench.diagnose.result import Diagnosis, ErrorsByUse
 from workbench.diagnose.simulation.stage import SimulationStage
-from workbench.fitting.threads import side_by_side
 from workbench.publish.along import SHOWN
 from workbench.publish.pictures import Picture
 from workbench.publish.style import COLOURS, REFERENCE, figure_style
@@ -79,21 +77,28 @@ def simulation_data(diagnosis: Diagnosis, simulation: SimulationStage) -> Simula
     elif diagnosis.effects:
         after = "with what was rejected" if diagnosis.is_rejected else "after, with what was found"
         sides = [Side("before", "before: declared plant, fitted"), Side("after", after)]
-    motions = [("fit", diagnosis.results[0].balance.motions[0])]
-    motions += [("held-out", motion) for motion in diagnosis.held_out[:1]]
-    asked = [(motion, side.key) for _, motion in motions for side in sides]
-    made = side_by_side(lambda one: _simulated(diagnosis, simulation, *one), asked)
-    shown = dict(zip(asked, made, strict=True))
+    motions = [("fit", diagnosis.results[0].balance.motions[0], 0)]
+    motions += [("held-out", motion, 1) for motion in diagnosis.held_out[:1]]
     records = [
         ComparedRecord(
             use,
             motion.record.label,
             motion.record.time,
-            _compared(diagnosis, motion, {side.key: shown[motion, side.key] for side in sides}),
+            _compared(diagnosis, motion, {side.key: _shown(diagnosis.errors, side.key, place) for side in sides}),
         )
-        for use, motion in motions
+        for use, motion, place in motions
     ]
     return SimulationData(records, sides, *_kept(simulation))
+
+
+def _shown(errors: ErrorsByUse, side: str, place: int) -> Mapping[str, np.ndarray]:
+    """What the sensors would have shown of one side's model, along the first record of the fit, or of those held
+    out.
+    """
+    if errors.with_curve is not None and side == "after":
+        return errors.with_curve[place].shown
+    run = (errors.fit, errors.held_out)[place]
+    return (run.before if side == "before" else run.after).shown
 
 
 def _kept(simulation: SimulationStage) -> tuple[str, str]:
@@ -107,18 +112,6 @@ def _kept(simulation: SimulationStage) -> tuple[str, str]:
         loop = f"a loop of {simulation.loop:.2g} rad/s"
         return f"and led along the record by {loop}", f"a force on its mass by which {loop} leads it along the record"
     return "from the measured input alone", "nothing else, from the record's beginning to its end"
-
-
-def _simulated(
-    diagnosis: Diagnosis, simulation: SimulationStage, motion: Motion, side: str
-) -> Mapping[str, np.ndarray]:
-    """What the sensors would have shown of one side's model along a motion."""
-    whole, runs = simulation.along(diagnosis.experiment, [motion]), diagnosis.errors.runs
-    assert runs is not None  # the diagnosis told their errors
-    values = dict(zip(("before", "after"), runs, strict=True))[side]
-    if simulation.curved is not None and side == "after":
-        whole, values = simulation.curved.along(diagnosis.experiment, [motion]), simulation.curved.simulated.fit.values
-    return begun(whole, [motion], values).simulated(motion, values)
 
 
 def _compared(
