@@ -1,15 +1,18 @@
 """A plant that is simulated along a record: declared values that are far off, and wrong starts, are found again."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from deadband import OVERLAP
 from driven import driven_shooting
 from scipy.signal import lfilter
 
 import workbench.diagnose.simulation.shooting as shooting_module
+import workbench.diagnose.simulation.together as together
 from plants.registry import plants
 from workbench.diagnose.readiness import declared_values, motions_of
 from workbench.diagnose.residuals.fit import fit
@@ -35,13 +38,14 @@ from workbench.diagnose.simulation.nearer import (
     fit_led,
     fit_over_hollows,
 )
-from workbench.diagnose.simulation.setup import FINER, as_coloured, follows, is_coloured, shooting_of
+from workbench.diagnose.simulation.setup import FINER, as_coloured, as_simulated, follows, is_coloured, shooting_of
 from workbench.diagnose.simulation.shooting import Shooting
 from workbench.fitting.replay import Sampled
 from workbench.parameters.sets import build, named_sets, read_parameters
 from workbench.records.experiment import read_experiment
 from workbench.records.reading import read_records
 from workbench.simulation.references import Multisine
+from workbench.simulation.run import Run
 from workbench.simulation.setup import Feed, Setup
 from workbench.simulation.simulate import simulate
 
@@ -409,3 +413,26 @@ def test_white_noise_is_not_coloured(made: Made) -> None:
     assert not is_coloured(fitting.final(fitting.begun(how, truth)).fit)
     (finer,) = as_coloured(motions)
     assert (motions[0].thinning, finer.thinning, finer.grain) == (10, 2, 10)
+
+
+def test_no_start_is_followed_that_shakes_far_more_than_its_plant(
+    experiment: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A step of a start out of reason shook 0.8 s of a rod for two million steps: longer than all else took."""
+    steps = list[int]()
+
+    def counted(setups: Sequence[Setup]) -> list[Run]:
+        runs = [simulate(setup) for setup in setups]
+        steps.extend(run.steps for run in runs)
+        return runs
+
+    monkeypatch.setattr(together, "simulate_together", counted)
+    read = read_experiment(experiment)
+    motions = as_simulated(read, motions_of(read, read_records(read, "fit")))
+    how = shooting_of(read, motions, held=True)
+    assert how is not None
+    values = {**declared_values(read), "valve_overlap": OVERLAP, "valve_flow_gain": 2.93e-4}
+    begun = Fitting(motions, (), {}).begun(how, values)
+    assert np.isfinite(begun.fit.rms)
+    assert max(steps) < 1_000_000
+    assert np.isinf(begun.how.setups[motions[0].record].most_steps), "what follows is bounded by itself"

@@ -161,17 +161,20 @@ class Fitting:
         return replace(how, begins=soon.begins)
 
     def stepped(self, how: Shooting, values: Values) -> Simulated:
-        """The same by damped Gauss-Newton steps of the starts, as long as these leave clearly less."""
-        best, damping = None, np.array([FIRST])
+        """The same by damped Gauss-Newton steps of the starts, as long as these leave clearly less: to none from which
+        a simulation is hopeless.
+        """
+        best, damping, bounded = None, np.array([FIRST]), how.bounded(self.motions, values)
         for _ in range(STEPS):
-            starting = how.starting(self.motions, values)
-            before = best or fit(how.balance(self.motions, ()), values, ())  # which has gone beside those
-            how, damping = restarted(how, before, starting, damping)
-            best = fit(how.balance(self.motions, ()), values, ())
-            if not _fell(before, best, how, (left_of_pieces(before, starting[1]), left_of_pieces(best, starting[1]))):
+            starting = bounded.starting(self.motions, values)
+            before = best or fit(bounded.balance(self.motions, ()), values, ())  # which has gone beside those
+            bounded, damping = restarted(bounded, before, starting, damping)
+            best = fit(bounded.balance(self.motions, ()), values, ())
+            left = left_of_pieces(before, starting[1]), left_of_pieces(best, starting[1])
+            if not _fell(before, best, bounded, left):
                 break
         assert best is not None
-        return Simulated(how, best, starting)
+        return Simulated(replace(bounded, setups=how.setups), best, starting)
 
     def _once(self, of: Simulated) -> Simulated:
         """The parameters with starts that follow them to first order, and then these starts."""
