@@ -6,10 +6,12 @@ import io
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
+from typer.main import get_command
 
 from workbench.cli.progress import AGAIN, stoppable
 from workbench.errors import UserError, in_few_lines
@@ -78,6 +80,12 @@ for name in GROUPS:
     app.add_typer(importlib.import_module(f"workbench.cli.{name}").app, name=name)
 
 
+@cache
+def _built() -> Any:
+    """The command line with all its commands, made once for a program that calls it more than once."""
+    return get_command(app)
+
+
 @contextmanager
 def mistakes_told() -> Iterator[None]:
     """A user's mistake, or a file system's, or one in a plug-in's code, is one to three lines and exit code 2."""
@@ -105,4 +113,4 @@ def run() -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(line_buffering=True)  # a pipe gets each line when it is written
     with mistakes_told():
-        app()
+        _built()()
