@@ -23,6 +23,7 @@ from workbench.diagnose.selection.sets import (
     Asked,
     after,
     away_of,
+    certainty_of,
     declared_again,
     fitted_with,
     fitted_without,
@@ -157,13 +158,19 @@ def _best_shapes(outlook: Outlook) -> dict[str, list[Shape]]:
 
 
 def _idle(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str, Fit] | None:
-    """An effect without which a fit near noise leaves no more than it costs, and that fit; None where there is none.
+    """An effect without which a fit near noise leaves no more than it costs, or that is not certain by its own
+    deviations, and that fit; None where there is none.
 
     First order tells too much of one that bends, or jumps as a dry friction does. One that a search has added alone was
     held against the plant without it then; one that was `given` to it, or stands beside others, was not.
     """
     if current.excess > NEAR_NOISE:
         return None
+    if ask.settle is not None:
+        certain = {effect: certainty_of(current, effect, own, ask) for effect, own in taken.items()}
+        least = min(certain, key=certain.__getitem__, default=None)
+        if least is not None and certain[least] < 0.0:
+            return least, ask.settled(fitted_without(current, taken, [least], ask))
     asked = [effect for effect in taken if effect in given or len(taken) > 1]
     fits = side_by_side(lambda effect: fitted_without(current, taken, [effect], ask), asked)
     prices = [ask.of(effect, taken[effect], current.balance) for effect in asked]

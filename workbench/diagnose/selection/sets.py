@@ -3,6 +3,9 @@
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from plants.effects.registry import effects as registered
 from plants.equation import NEGATIVE
 from workbench.diagnose.residuals.balance import Balance
 from workbench.diagnose.residuals.fit import FINAL, NEAR_NOISE, Fit, again, fit, stacks, weighing_at
@@ -10,6 +13,7 @@ from workbench.diagnose.residuals.unknowns import Bounds, Values, idle
 from workbench.diagnose.selection.likelihood import Outlook, Proposal, asked
 from workbench.diagnose.selection.selection import Effects
 from workbench.diagnose.selection.trials import Shapes, Trial, looks, sizing
+from workbench.fitting.covariance import inverse
 from workbench.fitting.least_squares import Search
 from workbench.parameters.sets import NEUTRAL
 
@@ -141,6 +145,23 @@ def away_of(current: Fit, own: Collection[str], ask: Asked) -> dict[int, float]:
                 continue
             away[i] = searched.place(neutral) - current.places[i]
     return away
+
+
+def certainty_of(found: Fit, effect: str, own: Collection[str], ask: Asked) -> float:
+    """By how much an effect is more certain than is asked of it, by the deviations of its own numbers: half the squares
+    of how far those that size it are from where it does nothing (Wald 1943), less what noise would make of that in one
+    fit of a hundred.
+
+    A likelihood has the noise that it is told; deviations know of the memory, and of the scatter from part to part,
+    that it has besides (White 1982). Without bound of an effect whose size can only be told in factors.
+    """
+    numbers = registered(found.balance.axis)[effect].numbers
+    away = {i: far for i, far in away_of(found, own, ask).items() if not numbers[found.unknowns[i].name].shapes}
+    if not away:
+        return np.inf
+    places, far = list(away), np.array(list(away.values()))
+    squares = float(far @ inverse(found.covariance[np.ix_(places, places)]) @ far)
+    return 0.5 * squares - ask.times * asked(len(places), 1)
 
 
 def is_estimated(found: Fit, balance: Balance) -> bool:
