@@ -5,12 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 from made_up_balances import made_balance, made_motion
+from scipy.signal import lfilter
 
 from workbench.diagnose.residuals.fit import Fit, fit, weighing_at
 from workbench.diagnose.residuals.motion import Motion
 from workbench.diagnose.selection.judging import BEYOND, NEARER, choose
 from workbench.diagnose.selection.likelihood import Proposal
-from workbench.diagnose.selection.sets import Asked, fitted_with, numbers_of
+from workbench.diagnose.selection.search import search
+from workbench.diagnose.selection.sets import Asked, certainty_of, fitted_with, numbers_of
 from workbench.diagnose.selection.trials import Trial
 from workbench.fitting.least_squares import Search
 
@@ -75,3 +77,27 @@ def test_an_effect_with_more_of_its_numbers_is_another_set(bends: float, needed:
     assert tried.rms > NEARER * current.rms
     best, _ = choose([(more, tried)], current, effects, {numbers_of(effects): current.rms}, ask)
     assert (best is not None) is needed
+
+
+def scattered(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """A spring, a load, and slow noise of which a fit that weighs all samples alike knows nothing."""
+    slow = lfilter([1.0], [1.0, -0.98], np.random.default_rng(5).standard_normal(motion.time.size))
+    way = values["spring_stiffness"] * motion.position
+    return np.asarray(way + values["load_force"] + values.get("scatter", 0.0) * slow)
+
+
+@pytest.mark.parametrize(("load", "certain"), [(0.0, False), (5.0, True)])
+def test_an_effect_is_certain_by_its_own_deviations_too(load: float, certain: bool) -> None:
+    """Slow noise gains far more than is asked, as a load; its own deviation, which knows of slow noise, says so."""
+    truth = {"spring_stiffness": 2000.0, "load_force": load, "scatter": 0.2}
+    balance = made_balance([made_motion()], scattered, truth)
+    first = fit(balance, START, ["spring_stiffness"], None, EXACT)
+    current = fit(balance, START, ["spring_stiffness"], None, EXACT, first.weighing)
+    ask = Asked(START, {}, 10, {}, settle=lambda found: found)
+    tried = fitted_with(current, {}, LOAD, ask)
+    assert gain(current, tried) > 2.0 * ask.price_of(LOAD, {}, balance)
+    assert (certainty_of(tried, "constant_load", ["load_force"], ask) > 0.0) is certain
+    best, _ = choose([(LOAD, tried)], current, {}, {}, ask)
+    assert (best is not None) is certain
+    kept = search(tried, {"constant_load": ("load_force",)}, ask)
+    assert list(kept.effects) == ["constant_load"] * certain
