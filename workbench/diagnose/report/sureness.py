@@ -147,8 +147,8 @@ def _stopped(best: Candidate, before: Fit) -> str:
         return f"but {listed(ended)} ran to the end of its range, and so is no estimate"
     return (
         "but it was not taken: it takes too little of the residual, or not on parts that were left out of its fit, or "
-        "a plant that lacks nothing would gain as much, or what it leaves depends on a signal, so that it stands in "
-        "for something else"
+        "by its own deviation it may as well do nothing, or a plant that lacks nothing would gain as much, or what it "
+        "leaves depends on a signal, so that it stands in for something else"
     )
 
 

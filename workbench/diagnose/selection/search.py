@@ -158,28 +158,41 @@ def _best_shapes(outlook: Outlook) -> dict[str, list[Shape]]:
 
 
 def _idle(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str, Fit] | None:
-    """An effect without which a fit near noise leaves no more than it costs, or that is not certain by its own
-    deviations, and that fit; None where there is none.
+    """An effect with which a fit near noise does no better than it would by chance, and that fit without it; None where
+    there is none.
+    """
+    if current.excess > NEAR_NOISE:
+        return None
+    return _uncertain(current, taken, ask) or _worthless(current, taken, given, ask)
+
+
+def _uncertain(current: Fit, taken: Effects, ask: Asked) -> tuple[str, Fit] | None:
+    """The effect of a simulated plant that is least certain by its own deviations, if it is not certain enough."""
+    if ask.settle is None or not taken:
+        return None
+    certain = {effect: certainty_of(current, effect, own, ask) for effect, own in taken.items()}
+    least = min(certain, key=certain.__getitem__)
+    return (least, ask.settled(fitted_without(current, taken, [least], ask))) if certain[least] < 0.0 else None
+
+
+def _worthless(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str, Fit] | None:
+    """An effect without which a fit leaves no more than it costs.
 
     First order tells too much of one that bends, or jumps as a dry friction does. One that a search has added alone was
     held against the plant without it then; one that was `given` to it, or stands beside others, was not.
     """
-    if current.excess > NEAR_NOISE:
-        return None
-    if ask.settle is not None:
-        certain = {effect: certainty_of(current, effect, own, ask) for effect, own in taken.items()}
-        least = min(certain, key=certain.__getitem__, default=None)
-        if least is not None and certain[least] < 0.0:
-            return least, ask.settled(fitted_without(current, taken, [least], ask))
-    asked = [effect for effect in taken if effect in given or len(taken) > 1]
-    fits = side_by_side(lambda effect: fitted_without(current, taken, [effect], ask), asked)
-    prices = [ask.of(effect, taken[effect], current.balance) for effect in asked]
-    lost = [0.5 * (fewer.squares - current.squares) - price for fewer, price in zip(fits, prices, strict=True)]
-    for i in np.argsort(lost).tolist():
-        if lost[i] > 0.0:
+    prices = {effect: ask.of(effect, own, current.balance) for effect, own in taken.items()}
+    doubtful = [effect for effect in taken if effect in given or len(taken) > 1]
+    fits = side_by_side(lambda effect: fitted_without(current, taken, [effect], ask), doubtful)
+    lost = {
+        effect: 0.5 * (fewer.squares - current.squares) - prices[effect]
+        for effect, fewer in zip(doubtful, fits, strict=True)
+    }
+    for effect, fewer in sorted(zip(doubtful, fits, strict=True), key=lambda pair: lost[pair[0]]):
+        if lost[effect] > 0.0:
             break
-        effect, price, settled = asked[i], prices[i], ask.settled(fits[i])
-        if gained(current.balance, left_by(current), left_by(settled)) < price:
+        settled = ask.settled(fewer)
+        if gained(current.balance, left_by(current), left_by(settled)) < prices[effect]:
             return effect, settled
     return None
 
