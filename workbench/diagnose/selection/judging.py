@@ -17,7 +17,6 @@ from workbench.diagnose.selection.sets import (
     QUICK,
     Asked,
     after,
-    certainty_of,
     fitted_with,
     fitted_without,
     is_estimated,
@@ -75,7 +74,6 @@ def choose(
             and known
             and near
             and enough
-            and _is_certain(proposal, found, taken, ask)
             and _is_no_hum(proposal, found, beside, ask)
             and _is_sure(proposal, found, beside, current, taken, ask)
             and _is_in_all_samples(proposal, found, beside, taken, ask)
@@ -84,13 +82,6 @@ def choose(
         if beside is not nearer and beside.squares < nearer.seen_by(beside.weighing) - 1.0:
             nearer = beside
     return None, nearer
-
-
-def _is_certain(proposal: Proposal, found: Fit, taken: Effects, ask: Asked) -> bool:
-    """Whether every effect of a set is certain by its own deviations, too, where these are of noise."""
-    if ask.settle is None or found.excess > NEAR_NOISE:
-        return True
-    return all(certainty_of(found, effect, own, ask) > 0.0 for effect, own in after(taken, proposal).items())
 
 
 def _is_sure(proposal: Proposal, found: Fit, beside: Fit, current: Fit, taken: Effects, ask: Asked) -> bool:

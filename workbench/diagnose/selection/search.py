@@ -167,7 +167,9 @@ def _idle(current: Fit, taken: Effects, given: Effects, ask: Asked) -> tuple[str
 
 
 def _uncertain(current: Fit, taken: Effects, ask: Asked) -> tuple[str, Fit] | None:
-    """The effect of a simulated plant that is least certain by its own deviations, if it is not certain enough."""
+    """The effect of a simulated plant that is least certain by its own deviations, if it is not certain enough: once
+    nothing more is found, since what is missing makes deviations of its own.
+    """
     if ask.settle is None or not taken:
         return None
     certain = {effect: certainty_of(current, effect, own, ask) for effect, own in taken.items()}
